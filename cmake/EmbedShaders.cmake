@@ -1,0 +1,14 @@
+# intaglio_embed_shaders(target): every file of intaglio/render/shaders becomes a string constant of the generated
+# header "intaglio_shaders.h" (relief.frag -> intaglio::render::shaders::relief_frag), so that the program needs no data folder.
+function(intaglio_embed_shaders target)
+  file(GLOB shaders CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/intaglio/render/shaders/*.vert
+       ${PROJECT_SOURCE_DIR}/intaglio/render/shaders/*.frag ${PROJECT_SOURCE_DIR}/intaglio/render/shaders/*.glsl)
+  set(header ${PROJECT_BINARY_DIR}/generated/intaglio_shaders.h)
+  add_custom_command(
+    OUTPUT ${header}
+    COMMAND ${CMAKE_COMMAND} -DOUT=${header} "-DSHADERS=${shaders}" -P ${PROJECT_SOURCE_DIR}/cmake/write_shader_header.cmake
+    DEPENDS ${shaders} ${PROJECT_SOURCE_DIR}/cmake/write_shader_header.cmake
+    COMMENT "Embedding shaders" VERBATIM)
+  target_sources(${target} PRIVATE ${header})
+  target_include_directories(${target} PRIVATE ${PROJECT_BINARY_DIR}/generated)
+endfunction()

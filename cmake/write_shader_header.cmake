@@ -1,0 +1,10 @@
+# Writes the shader files of the list SHADERS as raw string literals into the header OUT.
+set(text "#pragma once\n// Generated from intaglio/render/shaders. Do not edit.\nnamespace intaglio::render::shaders {\n")
+foreach(shader IN LISTS SHADERS)
+  get_filename_component(name ${shader} NAME)
+  string(REPLACE "." "_" name ${name})
+  file(READ ${shader} source)
+  string(APPEND text "inline constexpr const char* ${name} = R\"glsl(${source})glsl\";\n")
+endforeach()
+string(APPEND text "}  // namespace intaglio::render::shaders\n")
+file(WRITE ${OUT} "${text}")

@@ -1,0 +1,31 @@
+// What the senses tell each other: a contact between two bodies, with the time at which it happened.
+#pragma once
+
+#include <cstdint>
+
+#include "intaglio/core/vec.h"
+
+namespace intaglio {
+
+using BodyId = std::uint32_t;
+inline constexpr BodyId floor_body = 0;
+
+enum class ContactPhase : std::uint8_t { begin, persist, end };
+
+// One step of one contact between `body` and the textured surface of `other`. SI units, world frame.
+struct ContactEvent {
+  double time = 0;              // s, the instant of the impulse, not of the frame that noticed it
+  BodyId body = 0;              // the moving body (ball, pen)
+  BodyId other = floor_body;    // the textured body
+  ContactPhase phase = ContactPhase::begin;
+  Vec3 point = Vec3::Zero();    // m
+  Vec2 uv = Vec2::Zero();       // where on the texture, 0..1
+  Vec3 n_g = Vec3::UnitY();     // normal of the coarse geometry
+  Vec3 n_s = Vec3::UnitY();     // normal sampled from the texture, or of the relief feature touched
+  Vec3 v_t = Vec3::Zero();      // m/s, velocity of the body along the coarse surface
+  Vec3 impulse = Vec3::Zero();  // N s, on the body, over the step that ends at `time`
+  double duration = 0;          // s, the length of that step
+  Pose body_pose;               // of `body` at `time`
+};
+
+}  // namespace intaglio

@@ -1,0 +1,29 @@
+// Whole files, read and written without surprises: a write goes to a temporary beside the target and is renamed into
+// place, so that a failure leaves no half-written output.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "intaglio/core/error.h"
+
+namespace intaglio {
+
+// The bytes of a regular file. Errors: absent (with the nearest name in its folder), a folder, unreadable, larger than `limit`.
+Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path, std::uintmax_t limit = 1u << 30);
+
+// Writes all of `bytes` or nothing. Creates the folder.
+Result<void> write_file(const std::filesystem::path& path, std::span<const std::uint8_t> bytes);
+Result<void> write_file(const std::filesystem::path& path, std::string_view text);
+
+// The temporary that stands for `path` while it is being written.
+std::filesystem::path temporary_for(const std::filesystem::path& path);
+
+// Makes sure, before any long work, that `path` can be written: creates its folder and a temporary, and removes the latter.
+Result<void> check_writable(const std::filesystem::path& path);
+
+}  // namespace intaglio
