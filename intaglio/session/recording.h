@@ -1,0 +1,73 @@
+// What a session leaves behind: everything that the report draws and the logs hold. SI units.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "intaglio/core/event.h"
+#include "intaglio/core/image.h"
+#include "intaglio/core/representation.h"
+#include "intaglio/haptics/servo.h"
+#include "intaglio/surface/surface.h"
+
+namespace intaglio::session {
+
+struct BallTrack {
+  BodyId body = 0;
+  double radius = 0;           // m
+  std::vector<Vec3> position;  // m, one a physics step, the first at time 1 / physics_rate
+};
+
+// A body that rings: what was baked for it.
+struct Voice {
+  BodyId body = 0;
+  std::string name;                 // "floor", "ball 1", "pen"
+  std::string material;
+  std::vector<double> frequencies;  // Hz, ascending
+  std::vector<double> t60;          // s, of each mode
+};
+
+struct KeyFrame {
+  double time = 0;  // s
+  Image8 image;     // RGB, row 0 = top
+};
+
+// What one sense cost. Thread-CPU time.
+struct SenseCost {
+  std::string sense;   // "dynamics", "haptics", "sound", "picture"
+  std::string step;    // what a step is: "1/480 s step", "64-sample block", "640x360 frame"
+  double step_seconds = 0;  // simulated time a step stands for
+  std::size_t steps = 0;
+  double median_us = 0;
+  double p99_us = 0;
+  double total_s = 0;
+};
+
+struct Recording {
+  std::string title;
+  double duration = 0;  // s
+  int physics_rate = 480, servo_rate = 1000, sample_rate = 44100, fps = 30;  // Hz
+  Representation representation = Representation::relief;
+  std::shared_ptr<const surface::Surface> surface;
+
+  std::vector<BallTrack> balls;
+  std::vector<haptics::ServoSample> servo;  // one a tick, the first at time 0; empty without a pen
+  BodyId pen = 0;                           // 0: no pen
+  std::vector<ContactEvent> events;         // in order of time
+  std::vector<float> audio;                 // -1..1
+  std::vector<KeyFrame> key_frames;
+  std::vector<Voice> voices;
+
+  std::vector<SenseCost> costs;
+  double bake_s = 0;           // CPU time of the modal analysis
+  double wall_s = 0;           // of the whole run
+  double momentum_residual = 0;  // N s, dynamics::World::momentum_residual()
+  std::size_t surface_bytes = 0;
+  std::size_t peak_memory_bytes = 0;  // resident, of the process
+  std::uint64_t event_hash = 0;
+  std::uint64_t audio_hash = 0;
+};
+
+}  // namespace intaglio::session
