@@ -1,0 +1,118 @@
+#include "intaglio/render/frame_block.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "intaglio/render/mesh.h"
+
+namespace intaglio::render {
+
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+
+FrameBlock::Four four(const Vec3& v, double w = 0) {
+  return {float(v.x()), float(v.y()), float(v.z()), float(w)};
+}
+
+// World to camera: x right, y up, looking along -z.
+Eigen::Matrix4d look_at(const Camera& camera) {
+  const Vec3 back = (camera.eye - camera.target).normalized();
+  const bool up_is_lost = camera.up.cross(back).norm() < 1e-9 * camera.up.norm();
+  const Vec3 up = up_is_lost ? -Vec3::UnitZ() : camera.up;
+  const Vec3 right = up.cross(back).normalized();
+  Eigen::Matrix4d view = Eigen::Matrix4d::Identity();
+  view.block<1, 3>(0, 0) = right.transpose();
+  view.block<1, 3>(1, 0) = back.cross(right).transpose();
+  view.block<1, 3>(2, 0) = back.transpose();
+  view.block<3, 1>(0, 3) = -(view.block<3, 3>(0, 0) * camera.eye);
+  return view;
+}
+
+Eigen::Matrix4d perspective(const Camera& camera, double aspect) {
+  const double f = 1 / std::tan(0.5 * camera.fov_y_degrees * degree);
+  Eigen::Matrix4d m = Eigen::Matrix4d::Zero();
+  m(0, 0) = f / aspect;
+  m(1, 1) = f;
+  m(2, 2) = (camera.far + camera.near) / (camera.near - camera.far);
+  m(2, 3) = 2 * camera.far * camera.near / (camera.near - camera.far);
+  m(3, 2) = -1;
+  return m;
+}
+
+Eigen::Matrix4d local_to_world(const surface::Placement& placement) {
+  Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
+  m.block<3, 1>(0, 0) = placement.t();
+  m.block<3, 1>(0, 1) = placement.b();
+  m.block<3, 1>(0, 2) = placement.n();
+  m.block<3, 1>(0, 3) = placement.to_world(Vec3::Zero());
+  return m;
+}
+
+void fill_light(FrameBlock& block, const Light& light, const surface::Placement& placement) {
+  block.light = light.position ? four(placement.to_local(*light.position), 1)
+                               : four(placement.direction_to_local(light.direction.normalized()), 0);
+  block.light_colour = four(light.colour, std::tan(light.radius_degrees * degree));
+  block.sky = four(light.sky);
+  block.ground = four(light.ground);
+}
+
+void fill_bodies(FrameBlock& block, const FrameScene& scene, const surface::Placement& placement) {
+  const auto balls = std::min<std::size_t>(scene.balls.size(), max_shadow_balls);
+  for (std::size_t k = 0; k < balls; ++k) {
+    block.ball[k] = four(placement.to_local(scene.balls[k].pose.position), scene.balls[k].radius);
+  }
+  block.count = {std::int32_t(balls), scene.pen ? 1 : 0, std::int32_t(scene.representation), 0};
+  if (!scene.pen) return;
+  const Pen& pen = *scene.pen;
+  block.pen_tip = four(placement.to_local(pen.tip), pen.radius);
+  block.pen_direction = four(placement.direction_to_local(pen.direction.normalized()), pen.length);
+  block.pen_cone = four(Vec3(std::min(pen_tip_radii * pen.radius, pen.length), 0, 0));
+}
+
+}  // namespace
+
+FrameBlock surface_block(const surface::Surface& surface, const RendererOptions& options,
+                         int pyramid_levels) {
+  FrameBlock block = {};
+  const auto& placement = surface.placement();
+  const double depth = surface.has_depth() ? surface.max_depth() : 0;
+  const double slab = std::max(options.slab_thickness, 1.25 * depth);
+  block.size = four({placement.size_u(), placement.size_v(), depth}, slab);
+  block.texels = four(
+      {double(surface.width()), double(surface.height()), std::min(surface.texel_u(), surface.texel_v())},
+      surface.colour().empty() ? 0 : 1);
+  block.material = four(options.colour, options.roughness);
+  block.steps = {options.linear_steps, options.binary_steps, options.shadow_steps, pyramid_levels};
+  return block;
+}
+
+void fill_frame(FrameBlock& block, const FrameScene& scene, const surface::Placement& placement,
+                const RendererOptions& options) {
+  const Camera& camera = scene.camera;
+  const Eigen::Matrix4f view_projection = (perspective(camera, double(options.width) / options.height) *
+                                           look_at(camera) * local_to_world(placement))
+                                              .cast<float>();
+  std::copy_n(view_projection.data(), 16, block.view_projection.begin());
+  const double sample_angle =
+      2 * std::tan(0.5 * camera.fov_y_degrees * degree) / (options.height * options.supersample);
+  block.eye = four(placement.to_local(camera.eye), sample_angle);
+  fill_light(block, scene.light, placement);
+  fill_bodies(block, scene, placement);
+}
+
+Eigen::Matrix4f model_matrix(const Pose& pose, double scale, const surface::Placement& placement) {
+  Mat3 world_to_local;
+  world_to_local << placement.t().transpose(), placement.b().transpose(), placement.n().transpose();
+  Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
+  m.block<3, 3>(0, 0) = world_to_local * pose.orientation.toRotationMatrix() * scale;
+  m.block<3, 1>(0, 3) = placement.to_local(pose.position);
+  return m.cast<float>();
+}
+
+Pose pen_pose(const Pen& pen) {
+  return {pen.tip, Quat::FromTwoVectors(Vec3::UnitZ(), pen.direction)};
+}
+
+}  // namespace intaglio::render
