@@ -48,6 +48,7 @@ ServoSample PenServo::tick(Device& device) {
   sample.uv = place.uv(place.to_local(sample.tip));
   sample.surface_height = test.projected.z();
   sample.touching = test.collides;
+  sample.proxy = test.collides ? place.to_world(test.projected) : sample.tip;
   if (test.collides) {
     sample.n_s = options_.representation == Representation::flat ? place.n() : surface_->world_normal(sample.uv);
     // The spring lives in the device's workspace, so that its stiffness is what the hand feels whatever the scale.

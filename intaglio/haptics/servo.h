@@ -36,6 +36,7 @@ struct ServoOptions {
 struct ServoSample {
   Vec3 tip = Vec3::Zero();        // m
   Vec3 velocity = Vec3::Zero();   // m/s, filtered
+  Vec3 proxy = Vec3::Zero();      // m, where the tip is shown: on the surface while it touches
   Vec3 force = Vec3::Zero();      // N, as sent to the device
   Vec3 wanted = Vec3::Zero();     // N, before the guard
   Vec3 n_s = Vec3::UnitY();       // sampled normal
@@ -45,13 +46,14 @@ struct ServoSample {
   std::uint32_t guard_status = 0;
 };
 
+struct DepthTest {
+  bool collides = false;
+  Vec3 projected = Vec3::Zero();  // local; the point of the surface under the tip
+};
+
 // Whether the tip (local frame) collides, and the point of the surface under it: in relief only below the depth map, otherwise
 // below the base plane; never beside the rectangle.
 // §1.3.2, Sterling & Lin 2016
-struct DepthTest {
-  bool collides = false;
-  Vec3 projected = Vec3::Zero();  // local
-};
 DepthTest depth_test(const surface::Surface& surface, Representation representation, const Vec3& tip_local);
 
 class PenServo {

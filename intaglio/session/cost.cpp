@@ -1,22 +1,16 @@
 #include "intaglio/session/cost.h"
 
 #include <sys/resource.h>
-#include <time.h>
-
 #include <algorithm>
 #include <numeric>
 
 namespace intaglio::session {
-
-namespace {
 
 std::int64_t cpu_ns(clockid_t clock) {
   timespec t{};
   clock_gettime(clock, &t);
   return static_cast<std::int64_t>(t.tv_sec) * 1'000'000'000 + t.tv_nsec;
 }
-
-}  // namespace
 
 std::int64_t thread_cpu_ns() { return cpu_ns(CLOCK_THREAD_CPUTIME_ID); }
 std::int64_t process_cpu_ns() { return cpu_ns(CLOCK_PROCESS_CPUTIME_ID); }

@@ -1,0 +1,234 @@
+#include "intaglio/session/report_agreement.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <tuple>
+
+#include "intaglio/session/report_contacts.h"
+#include "intaglio/session/report_modes.h"
+#include "intaglio/session/report_text.h"
+
+namespace intaglio::session {
+
+namespace {
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+double ratio(double part, double whole) {
+  return whole > 0 ? part / whole : unknown;
+}
+
+double square(float value) {
+  return std::isfinite(value) ? static_cast<double>(value) * static_cast<double>(value) : 0;
+}
+
+std::vector<double> contact_times(const Recording& recording, bool only_beginnings) {
+  std::vector<double> times;
+  for (const ContactEvent& event : recording.events) {
+    if (!std::isfinite(event.time) || event.phase == ContactPhase::end) continue;
+    if (event.phase == ContactPhase::begin || !only_beginnings) times.push_back(event.time);
+  }
+  std::sort(times.begin(), times.end());
+  return times;
+}
+
+// Signed distance to the nearest of `times` (sorted).
+double lag(const std::vector<double>& times, double time) {
+  double best = std::numeric_limits<double>::infinity();
+  const auto next = std::lower_bound(times.begin(), times.end(), time);
+  if (next != times.end()) best = time - *next;
+  if (next != times.begin() && time - *(next - 1) < std::abs(best)) best = time - *(next - 1);
+  return best;
+}
+
+// Fractions of `onsets`, and of all time, that are near one of `times`.
+std::pair<double, double> hits_and_chance(const std::vector<double>& onsets, const std::vector<double>& times,
+                                          double duration) {
+  const auto near = [&](double onset) { return std::abs(lag(times, onset)) <= Agreement::tolerance; };
+  std::vector<TimeSpan> spans;
+  for (const double time : times) spans.push_back({time - Agreement::tolerance, time + Agreement::tolerance});
+  const auto hits = static_cast<double>(std::count_if(onsets.begin(), onsets.end(), near));
+  return {ratio(hits, static_cast<double>(onsets.size())), total_seconds(joined(spans, duration)) / duration};
+}
+
+void compare_onsets(const Recording& recording, Agreement& a) {
+  const double duration = shown_duration(recording);
+  const std::vector<double> onsets = loud_onsets(recording.audio, recording.sample_rate);
+  const std::vector<double> beginnings = contact_times(recording, true);
+  a.onsets = onsets.size();
+  std::tie(a.onsets_at_contact, a.contact_chance) =
+      hits_and_chance(onsets, contact_times(recording, false), duration);
+  std::tie(a.onsets_at_beginning, a.beginning_chance) = hits_and_chance(onsets, beginnings, duration);
+  std::vector<double> lags;
+  for (const double onset : onsets) {
+    if (const double value = lag(beginnings, onset); std::abs(value) <= Agreement::tolerance)
+      lags.push_back(value);
+  }
+  std::sort(lags.begin(), lags.end());
+  a.median_lag = lags.empty() ? unknown : lags[lags.size() / 2];
+}
+
+void compare_relief(const Recording& recording, Agreement& a) {
+  a.relief_correlation = unknown;
+  if (!recording.surface) return;
+  std::vector<Vec2> pairs;  // (tip, surface), m
+  for (const haptics::ServoSample& sample : recording.servo) {
+    const Vec2 pair(recording.surface->placement().to_local(sample.tip).z(), sample.surface_height);
+    // Kilometres are a fault, and would drown all else.
+    if (sample.touching && pair.allFinite() && pair.cwiseAbs().maxCoeff() < 1e3) pairs.push_back(pair);
+  }
+  a.touching_ticks = pairs.size();
+  if (pairs.size() < 2) return;
+  Vec2 mean = Vec2::Zero();
+  for (const Vec2& pair : pairs) mean += pair / static_cast<double>(pairs.size());
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  for (const Vec2& pair : pairs)
+    covariance += (pair - mean) * (pair - mean).transpose() / static_cast<double>(pairs.size());
+  // A flat surface correlates with nothing: below a tenth of a micrometre there is no relief to follow.
+  if (covariance.diagonal().minCoeff() > 1e-14) {
+    a.relief_correlation = covariance(0, 1) / std::sqrt(covariance(0, 0) * covariance(1, 1));
+  }
+}
+
+double longest_ring(const Recording& recording) {
+  double longest = 0;
+  for (const Voice& voice : recording.voices) {
+    for (const double t60 : voice.t60) {
+      if (std::isfinite(t60)) longest = std::max(longest, t60);
+    }
+  }
+  return longest > 0 ? longest : 0.5;
+}
+
+void compare_silence(const Recording& recording, Agreement& a) {
+  const double duration = shown_duration(recording), ring = longest_ring(recording);
+  std::vector<TimeSpan> busy;
+  for (const ContactEvent& event : recording.events) {
+    const bool sounds = event.phase == ContactPhase::begin || event.v_t.norm() > Agreement::still_speed;
+    if (sounds && std::isfinite(event.time) && std::isfinite(event.duration))
+      busy.push_back({event.time - event.duration, event.time + ring});
+  }
+  busy = joined(std::move(busy), duration);
+  a.idle_seconds = duration - total_seconds(busy);
+  double idle = 0, all = 0;
+  auto span = busy.begin();
+  for (std::size_t k = 0; k < recording.audio.size() && recording.sample_rate > 0; ++k) {
+    const double time = static_cast<double>(k) / recording.sample_rate;
+    while (span != busy.end() && time >= span->end) ++span;
+    all += square(recording.audio[k]);
+    if (span == busy.end() || time < span->begin) idle += square(recording.audio[k]);
+  }
+  a.idle_energy = a.idle_seconds > 0.01 ? ratio(idle, all) : unknown;
+}
+
+// Baked frequencies of the bodies that took part in a contact.
+std::vector<double> excited_frequencies(const Recording& recording) {
+  std::set<BodyId> touched;
+  for (const ContactEvent& event : recording.events) touched.insert({event.body, event.other});
+  std::vector<double> frequencies;
+  for (const Voice& voice : recording.voices) {
+    if (touched.count(voice.body) == 0) continue;
+    for (const double hz : voice.frequencies) {
+      if (std::isfinite(hz) && hz > 0) frequencies.push_back(hz);
+    }
+  }
+  return frequencies;
+}
+
+void compare_modes(const Recording& recording, Agreement& a) {
+  a.modal_energy = a.modal_chance = a.modal_contrast_db = unknown;
+  const std::vector<double> modes = excited_frequencies(recording);
+  const Spectrogram spectrogram = make_spectrogram(recording.audio, recording.sample_rate, 16384);
+  if (modes.empty() || spectrogram.frames == 0) return;
+  const ModalSpectrum spectrum(spectrogram, modes, Agreement::mode_width);
+  std::tie(a.modal_energy, a.modal_chance) = spectrum.share();
+  const std::vector<double> contrasts = spectrum.contrasts_db();
+  a.contrast_modes = contrasts.size();
+  if (!contrasts.empty()) a.modal_contrast_db = contrasts[contrasts.size() / 2];
+}
+
+std::string percent(double fraction) {
+  const double value = 100 * fraction;
+  if (!std::isfinite(value)) return number(value, 0);
+  if (value > 0 && value < 0.001) return "&lt;&nbsp;0.001&nbsp;%";
+  const bool whole = value == 0 || value >= 99.95;
+  return number(value, whole ? 0 : value < 1 ? 3 : value < 10 || value >= 99 ? 1 : 0) + "&nbsp;%";
+}
+
+// " The median onset is 0.5 ms before its contact."
+std::string lag_sentence(double seconds) {
+  if (!std::isfinite(seconds)) return "";
+  return fmt::format(" The median onset is {}&nbsp;ms {} its contact.", number(std::abs(1e3 * seconds), 1),
+                     seconds < 0 ? "before" : "after");
+}
+
+std::string item(std::string_view value, std::string_view name, std::string_view sentence) {
+  return fmt::format("<div><dt>{}</dt><dd><b>{}</b> {}</dd></div>\n", name, value, sentence);
+}
+
+}  // namespace
+
+std::vector<double> loud_onsets(std::span<const float> audio, double sample_rate) {
+  std::vector<double> onsets;
+  if (!(sample_rate >= 1000)) return onsets;
+  const auto slot = static_cast<std::size_t>(sample_rate / 1000);
+  std::vector<double> energy(audio.size() / slot, 0.0);
+  for (std::size_t k = 0; k < energy.size() * slot; ++k) energy[k / slot] += square(audio[k]);
+  const auto loudest = std::max_element(energy.begin(), energy.end());
+  if (loudest == energy.end() || !(*loudest > 0)) return onsets;
+  const double loud = 1e-4 * *loudest;
+  const std::size_t rest = 30;  // slots
+  for (std::size_t k = 0; k < energy.size(); ++k) {
+    const auto here = energy.begin() + static_cast<std::ptrdiff_t>(k);
+    const auto before = std::max(energy.begin(), here - static_cast<std::ptrdiff_t>(std::min(k, rest)));
+    const double most_before = before == here ? 0 : *std::max_element(before, here);
+    if (energy[k] < loud || energy[k] < 4 * most_before) continue;
+    onsets.push_back(static_cast<double>(k * slot) / sample_rate);
+    k += rest;
+  }
+  return onsets;
+}
+
+Agreement agreement_of(const Recording& recording) {
+  Agreement a;
+  compare_onsets(recording, a);
+  compare_relief(recording, a);
+  compare_silence(recording, a);
+  compare_modes(recording, a);
+  return a;
+}
+
+std::string agreement_html(const Agreement& a) {
+  std::string html = "<dl class=\"agreement\">\n";
+  html += item(percent(a.onsets_at_contact), "Heard when touched",
+               fmt::format("of the {} loud onsets in the audio lie within 20&nbsp;ms of a contact; sounds at "
+                           "random times would score {}.",
+                           a.onsets, percent(a.contact_chance)));
+  html += item(percent(a.onsets_at_beginning), "Heard when a touch begins",
+               fmt::format("of them lie within 20&nbsp;ms of a contact that begins; at random, {}.{}",
+                           percent(a.beginning_chance), lag_sentence(a.median_lag)));
+  html += item(number(a.relief_correlation, 3), "Felt what is there",
+               fmt::format("is the correlation of the pen’s height with the height of the surface under it, "
+                           "over {} ticks of touching. 1 is a pen that follows every groove.",
+                           a.touching_ticks));
+  html += item(percent(a.idle_energy), "Silent when nothing happens",
+               fmt::format("of the audio’s energy falls into the {}&nbsp;s in which no contact began or slid "
+                           "and all ringing is over. It should be next to nothing.",
+                           number(a.idle_seconds, 2)));
+  html += item(percent(a.modal_energy), "Sounds like its bodies",
+               fmt::format("of the energy lies within 3&nbsp;% of a baked frequency of a body that was "
+                           "touched; noise of equal energy an octave would score {}.",
+                           percent(a.modal_chance)));
+  html += item(number(a.modal_contrast_db, 1) + (std::isfinite(a.modal_contrast_db) ? "&nbsp;dB" : ""),
+               "Rings above the floor",
+               fmt::format("is how far the power near a baked frequency stands above that beside it: the "
+                           "median of the {} modes that stand apart.",
+                           a.contrast_modes));
+  return html + "</dl>\n";
+}
+
+}  // namespace intaglio::session

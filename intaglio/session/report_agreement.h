@@ -1,0 +1,54 @@
+// How well the senses of a recording agree, in numbers. What cannot be told (no pen, no audio, ...) is
+// not-a-number.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "intaglio/session/recording.h"
+
+namespace intaglio::session {
+
+struct Agreement {
+  static constexpr double tolerance = 0.020;    // s, between a sound and its contact: below what is noticed
+  static constexpr double still_speed = 0.005;  // m/s, below which a touching body rests
+  static constexpr double mode_width = 0.03;    // of a frequency, to either side
+
+  // Heard when touched. Chance: what sounds at random times would score.
+  std::size_t onsets = 0;
+  double onsets_at_contact = 0, contact_chance = 0;      // fractions
+  double onsets_at_beginning = 0, beginning_chance = 0;  // fractions; of contacts that begin
+  double median_lag = 0;  // s, from the nearest beginning, of the onsets that have one
+
+  // Felt what is there: Pearson correlation of the tip's height with the height of the surface under it,
+  // while touching.
+  double relief_correlation = 0;
+  std::size_t touching_ticks = 0;
+
+  // Silent when nothing happens: energy in the time that is more than the longest T60 after any contact that
+  // began or slid.
+  double idle_energy = 0;  // fraction of all
+  double idle_seconds = 0;
+
+  // Sounds like its bodies: energy within mode_width of a baked frequency of a body that was touched.
+  double modal_energy = 0;  // fraction of the energy between 20 Hz and 20 kHz
+  double modal_chance = 0;  // what noise of equal energy an octave would score
+
+  // Rings above the floor: power density near a mode over that beside it, the median of the modes that stand
+  // apart.
+  double modal_contrast_db = 0;
+  std::size_t contrast_modes = 0;
+};
+
+Agreement agreement_of(const Recording& recording);
+
+// Times (s) at which the audio gets loud: the energy of a millisecond is 6 dB above that of every one of the
+// 30 before it, and within 40 dB of the loudest; at most one in 30 ms.
+std::vector<double> loud_onsets(std::span<const float> audio, double sample_rate);
+
+// A list of sentences, each with its value.
+std::string agreement_html(const Agreement& agreement);
+
+}  // namespace intaglio::session

@@ -1,0 +1,196 @@
+#include "intaglio/session/scene.h"
+
+#include <array>
+#include <limits>
+
+#include "intaglio/core/file.h"
+#include "intaglio/session/toml_reader.h"
+
+namespace intaglio::session {
+
+namespace {
+
+constexpr double unbounded = std::numeric_limits<double>::max();
+
+Range positive(const char* says, double high = unbounded) { return {0, high, true, says}; }
+Range at_least_zero(const char* says, double high = unbounded) { return {0, high, false, says}; }
+
+void read_direction(TomlReader& r, const char* key, Vec3& direction) {
+  r.vector(key, direction);
+  if (direction.norm() < 1e-9 || direction.norm() > 1e9) r.fail_at(key, std::string(key) + " has no direction", "give a vector that is not zero");
+}
+
+// A built-in material by name, with any of its values overridden:
+//   material = "steel"     or     material = { name = "steel", rayleigh_alpha = 20 }
+void read_material(TomlReader& reader, const char* key, Material& material) {
+  const auto by_name = [&](TomlReader& at, const char* name_key, const std::string& name) {
+    const auto found = find_material(name);
+    if (found) material = *found;
+    else at.fail_at(name_key, found.error().what, found.error().fix);
+  };
+  if (!reader.is_table(key)) {
+    std::string name = material.name;
+    reader.text(key, name);
+    if (name != material.name) by_name(reader, key, name);
+    return;
+  }
+  reader.table(key, [&](TomlReader& r) {
+    std::string name = material.name;
+    r.text("name", name);
+    if (name != material.name) by_name(r, "name", name);
+    r.number("density", material.density, positive("a density must be greater than 0 kg/m^3", 1e6));
+    r.number("youngs_modulus", material.youngs_modulus, positive("a Young's modulus must be greater than 0 Pa", 1e15));
+    r.number("poisson_ratio", material.poisson_ratio, {-0.9, 0.49, false, "a Poisson ratio must be between -0.9 and 0.49"});
+    r.number("rayleigh_alpha", material.rayleigh_alpha, at_least_zero("alpha must be at least 0 1/s"));
+    r.number("rayleigh_beta", material.rayleigh_beta, at_least_zero("beta must be at least 0 s"));
+    r.number("friction", material.friction, at_least_zero("friction must be between 0 and 10", 10));
+    r.number("restitution", material.restitution, at_least_zero("restitution must be between 0 and 1", 1));
+    r.number("rolling_resistance", material.rolling_resistance, at_least_zero("rolling resistance must be between 0 and 1", 1));
+  });
+}
+
+void read_surface(TomlReader& r, SurfaceScene& surface) {
+  r.text("texture", surface.texture);
+  if (r.has("green")) {
+    int green = 0;
+    r.choice("green", {"+Y", "-Y"}, green);
+    surface.green = green == 0 ? surface::Green::plus_y : surface::Green::minus_y;
+  } else {
+    r.optional_key("green");
+  }
+  if (r.has("polarity")) {
+    int polarity = 0;
+    r.choice("polarity", {"depth", "height"}, polarity);
+    surface.polarity = polarity == 0 ? surface::Polarity::depth : surface::Polarity::height;
+  } else {
+    r.optional_key("polarity");
+  }
+  int edge = static_cast<int>(surface.edge);
+  r.choice("edge", {"wrap", "clamp"}, edge);
+  surface.edge = static_cast<surface::Edge>(edge);
+  r.pair("size", surface.size, {0.01, 100, false, "a side must be between 0.01 m and 100 m"});
+  r.number("depth", surface.depth, at_least_zero("depth must be between 0 m and 10 m", 10));
+  r.number("thickness", surface.thickness, positive("thickness must be greater than 0 m and at most 10 m", 10));
+  r.vector("position", surface.position);
+  r.vector("rotation", surface.rotation);
+  int representation = static_cast<int>(surface.representation);
+  r.choice("representation", {"flat", "normal", "relief"}, representation);
+  surface.representation = static_cast<Representation>(representation);
+  read_material(r, "material", surface.material);
+}
+
+void read_physics(TomlReader& r, PhysicsScene& physics) {
+  r.whole("rate", physics.rate, {30, 20000, false, "a rate must be between 30 Hz and 20000 Hz"});
+  r.vector("gravity", physics.gravity);
+  int method = static_cast<int>(physics.method);
+  r.choice("contact", {"closest", "directional"}, method);
+  physics.method = static_cast<dynamics::ContactMethod>(method);
+}
+
+void read_ball(TomlReader& r, std::vector<dynamics::SphereBody>& balls) {
+  dynamics::SphereBody ball;
+  ball.material = *find_material("plastic");
+  r.number("radius", ball.radius, {0.001, 10, false, "a radius must be between 0.001 m and 10 m"});
+  read_material(r, "material", ball.material);
+  if (r.has("mass")) {
+    double mass = 0;
+    r.number("mass", mass, positive("a mass must be greater than 0 kg"));
+    ball.material.density *= mass / ball.mass();
+  } else {
+    r.optional_key("mass");
+  }
+  r.vector("position", ball.position);
+  r.vector("velocity", ball.velocity);
+  r.vector("spin", ball.angular_velocity);
+  balls.push_back(ball);
+}
+
+void read_path(TomlReader& r, PenScene& pen) {
+  std::vector<std::vector<double>> rows;
+  r.rows("path", 4, rows);
+  for (const auto& row : rows) {
+    if (!pen.path.empty() && row[0] <= pen.path.back().time) {
+      r.fail_at("path", fmt::format("pen.path goes back in time at {} s", row[0]), "times must increase from row to row");
+    }
+    pen.path.push_back({row[0], {row[1], row[2], row[3]}});
+  }
+  if (pen.path.empty()) r.fail_at("path", "pen.path has no waypoint", "give rows of [time s, x m, y m, z m]");
+}
+
+void read_pen(TomlReader& r, PenScene& pen) {
+  r.number("length", pen.length, positive("a length must be greater than 0 m", 10));
+  r.number("radius", pen.radius, positive("a radius must be greater than 0 m", 1));
+  read_material(r, "material", pen.material);
+  read_direction(r, "direction", pen.direction);
+  r.vector("workspace_origin", pen.workspace.origin);
+  r.number("workspace_scale", pen.workspace.scale, positive("a scale must be greater than 0", 1e3));
+  r.number("stiffness", pen.spring.stiffness, at_least_zero("stiffness must be between 0 and 1e5 N/m", 1e5));
+  r.number("damping", pen.spring.damping, at_least_zero("damping must be between 0 and 1e3 N s/m", 1e3));
+  r.number("device_rate", pen.device.rate, {100, 20000, false, "a servo rate must be between 100 Hz and 20000 Hz"});
+  r.number("device_peak_force", pen.device.peak_force, positive("a peak force must be greater than 0 N and at most 100 N", 100));
+  r.number("device_resolution", pen.device.resolution, positive("a resolution must be greater than 0 m", 0.01));
+  r.vector("device_workspace", pen.device.workspace);
+  r.number("ramp_in", pen.limits.ramp_in, {0.5, 60, false, "the ramp-in is a safety limit of at least 0.5 s"});
+  r.number("hand_mass", pen.hand.mass, positive("a mass must be greater than 0 kg", 100));
+  r.number("hand_stiffness", pen.hand.stiffness, positive("stiffness must be greater than 0 N/m", 1e5));
+  r.number("hand_damping", pen.hand.damping, at_least_zero("damping must be at least 0 N s/m", 1e4));
+  read_path(r, pen);
+  pen.limits.peak_force = pen.device.peak_force;
+}
+
+void read_sound(TomlReader& r, SoundScene& sound) {
+  r.whole("sample_rate", sound.sample_rate, {8000, 192000, false, "a sample rate must be between 8000 Hz and 192000 Hz"});
+  r.number("gain_db", sound.gain_db, {-120, 60, false, "a gain must be between -120 dB and 60 dB"});
+  r.number("micro", sound.micro, at_least_zero("a level must be between 0 and 100", 100));
+  r.whole("modes", sound.modes, {1, 2000, false, "between 1 and 2000 modes a body"});
+}
+
+void read_video(TomlReader& r, VideoScene& video) {
+  r.whole("width", video.width, {16, 7680, false, "a width must be between 16 and 7680 pixels"});
+  r.whole("height", video.height, {16, 4320, false, "a height must be between 16 and 4320 pixels"});
+  r.whole("fps", video.fps, {1, 240, false, "between 1 and 240 frames a second"});
+  r.whole("supersample", video.supersample, {1, 4, false, "supersampling must be between 1 and 4"});
+  if (video.width % 2 != 0 || video.height % 2 != 0) r.fail_at(video.width % 2 != 0 ? "width" : "height", "video.width and video.height must be even", "H.264 needs whole 2 x 2 blocks");
+}
+
+void read_camera(TomlReader& r, CameraScene& camera) {
+  r.vector("eye", camera.eye);
+  r.vector("target", camera.target);
+  r.number("vertical_fov", camera.vertical_fov, {1, 170, false, "a field of view must be between 1 and 170 degrees"});
+}
+
+}  // namespace
+
+Result<Scene> parse_scene(std::string_view text, const std::string& name) {
+  const toml::parse_result parsed = toml::parse(text, name);
+  if (!parsed) {
+    const toml::parse_error& error = parsed.error();
+    return fail(fmt::format("{}:{}", name, error.source().begin.line), std::string(error.description()), "see docs/scene.md");
+  }
+  std::optional<Error> error;
+  Scene scene;
+  scene.name = name;
+  TomlReader r(parsed.table(), name, "", error);
+  r.text("title", scene.title);
+  r.number("duration", scene.duration, {0.1, 3600, false, "a duration must be between 0.1 s and 3600 s"});
+  r.whole("seed", scene.seed, at_least_zero("a seed must be a whole number from 0 on", 1e9));
+  read_direction(r, "light", scene.light);
+  r.table("surface", [&](TomlReader& t) { read_surface(t, scene.surface); });
+  r.table("physics", [&](TomlReader& t) { read_physics(t, scene.physics); });
+  r.tables("ball", [&](TomlReader& t) { read_ball(t, scene.balls); });
+  r.table("pen", [&](TomlReader& t) { read_pen(t, scene.pen.emplace()); });
+  r.table("sound", [&](TomlReader& t) { read_sound(t, scene.sound); });
+  r.table("video", [&](TomlReader& t) { read_video(t, scene.video); });
+  r.table("camera", [&](TomlReader& t) { read_camera(t, scene.camera); });
+  r.finish();
+  if (error) return tl::unexpected(*error);
+  return scene;
+}
+
+Result<Scene> read_scene(const std::filesystem::path& path) {
+  const auto bytes = read_file(path, 16u << 20);
+  if (!bytes) return tl::unexpected(bytes.error());
+  return parse_scene({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path.string());
+}
+
+}  // namespace intaglio::session

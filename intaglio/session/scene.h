@@ -1,0 +1,88 @@
+// A scene: everything a session needs to know, read from a TOML file. Every key, unit and default: docs/scene.md.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "intaglio/core/error.h"
+#include "intaglio/core/material.h"
+#include "intaglio/core/representation.h"
+#include "intaglio/core/vec.h"
+#include "intaglio/dynamics/world.h"
+#include "intaglio/haptics/devices/simulated.h"
+#include "intaglio/haptics/servo.h"
+#include "intaglio/surface/import.h"
+
+namespace intaglio::session {
+
+struct SurfaceScene {
+  std::string texture = "brick";  // "brick" is built in; else an image or folder, relative to the scene file
+  std::optional<surface::Green> green;
+  std::optional<surface::Polarity> polarity;
+  surface::Edge edge = surface::Edge::wrap;
+  Vec2 size = Vec2(1, 1);          // m
+  double depth = 0.02;             // m, of a full-depth texel
+  double thickness = 0.05;         // m, of the slab that rings and is drawn
+  Vec3 position = Vec3::Zero();    // m, of the middle
+  Vec3 rotation = Vec3::Zero();    // degrees about X, then Y, then Z
+  Representation representation = Representation::relief;
+  Material material = *find_material("brick");
+};
+
+struct PhysicsScene {
+  int rate = 480;  // Hz
+  Vec3 gravity = Vec3(0, -9.81, 0);
+  dynamics::ContactMethod method = dynamics::ContactMethod::closest;
+};
+
+struct PenScene {
+  double length = 0.15, radius = 0.005;  // m
+  Material material = *find_material("wood");
+  Vec3 direction = Vec3(0.25, 1, 0.35);  // from the tip up the shaft, world
+  haptics::WorkspaceMap workspace;
+  haptics::Spring spring;
+  haptics::GuardLimits limits;
+  haptics::DeviceModel device;
+  haptics::Hand hand;
+  std::vector<haptics::Waypoint> path;  // world metres; turned into the device's workspace when the pen is made
+};
+
+struct SoundScene {
+  int sample_rate = 44100;  // Hz
+  double gain_db = 0;
+  double micro = 1;         // level of the fractal noise, of the default's; 0 = off
+  int modes = 120;          // at most, of each body
+};
+
+struct VideoScene {
+  int width = 640, height = 360, fps = 30;
+  int supersample = 2;  // samples along a side of a pixel
+};
+
+struct CameraScene {
+  Vec3 eye = Vec3(0.2, 0.62, 0.92), target = Vec3(0, -0.02, 0.02);
+  double vertical_fov = 38;  // degrees
+};
+
+struct Scene {
+  std::string name;  // of the file
+  std::string title = "Untitled";
+  double duration = 8;  // s
+  int seed = 1;
+  SurfaceScene surface;
+  PhysicsScene physics;
+  std::vector<dynamics::SphereBody> balls;
+  std::optional<PenScene> pen;
+  SoundScene sound;
+  VideoScene video;
+  CameraScene camera;
+  Vec3 light = Vec3(-0.55, 0.75, -0.35);  // towards the light
+};
+
+// Reads a scene from text; `name` stands for the file in errors.
+Result<Scene> parse_scene(std::string_view text, const std::string& name);
+Result<Scene> read_scene(const std::filesystem::path& path);
+
+}  // namespace intaglio::session

@@ -1,0 +1,244 @@
+#include "intaglio/session/simulation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "intaglio/sound/fem/shapes.h"
+#include "intaglio/sound/level.h"
+
+namespace intaglio::session {
+
+namespace {
+
+constexpr std::size_t block_size = 64;
+
+Quat rotation_of(const Vec3& degrees) {
+  const Vec3 r = degrees * std::numbers::pi / 180;
+  return Eigen::AngleAxisd(r.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(r.y(), Vec3::UnitY()) * Eigen::AngleAxisd(r.x(), Vec3::UnitX());
+}
+
+haptics::ServoOptions servo_options(const Scene& scene) {
+  const PenScene& pen = *scene.pen;
+  return {scene.surface.representation, pen.spring, pen.limits, pen.workspace, pen.device.rate, 60};
+}
+
+std::vector<haptics::Waypoint> device_path(const PenScene& pen) {
+  std::vector<haptics::Waypoint> path = pen.path;
+  for (haptics::Waypoint& waypoint : path) waypoint.position = pen.workspace.to_device(waypoint.position);
+  return path;
+}
+
+int servo_rate(const Scene& scene) { return scene.pen ? static_cast<int>(scene.pen->device.rate) : 1; }
+
+}  // namespace
+
+Result<std::shared_ptr<const surface::Surface>> make_surface(const Scene& scene, std::vector<std::string>* notes) {
+  const SurfaceScene& from = scene.surface;
+  surface::Texels texels;
+  if (from.texture == "brick") {
+    texels = surface::to_texels(surface::make_brick({}));
+  } else {
+    surface::ImportOptions options{from.green, from.polarity, from.depth / from.size.x()};
+    auto imported = surface::import_texture(from.texture, options);
+    if (!imported) return tl::unexpected(imported.error());
+    if (notes != nullptr) *notes = imported->notes;
+    texels = std::move(imported->texels);
+  }
+  if (texels.depth.empty() && from.representation == Representation::relief) {
+    return fail(from.texture, "has normals but no depth", "give a height map too, or use --representation normal");
+  }
+  const surface::Placement placement(from.position, rotation_of(from.rotation), from.size.x(), from.size.y());
+  return std::make_shared<const surface::Surface>(std::move(texels), placement, from.depth, from.edge);
+}
+
+Simulation::Simulation(const Scene& scene, std::shared_ptr<const surface::Surface> surface)
+    : scene_(scene),
+      surface_(std::move(surface)),
+      clock_({scene.physics.rate, servo_rate(scene), scene.sound.sample_rate, scene.video.fps}),
+      world_(surface_, scene.surface.material, {scene.surface.representation, scene.physics.method, scene.physics.gravity, 1.0 / scene.physics.rate}),
+      block_(block_size) {
+  recording_.title = scene.title;
+  recording_.duration = scene.duration;
+  recording_.physics_rate = scene.physics.rate;
+  recording_.servo_rate = servo_rate(scene);
+  recording_.sample_rate = scene.sound.sample_rate;
+  recording_.fps = scene.video.fps;
+  recording_.representation = scene.surface.representation;
+  recording_.surface = surface_;
+  for (const dynamics::SphereBody& ball : scene.balls) recording_.balls.push_back({world_.add(ball), ball.radius, {}});
+  if (scene.pen) {
+    device_.emplace(scene.pen->device, scene.pen->hand, device_path(*scene.pen));
+    servo_.emplace(surface_, servo_options(scene));
+    recording_.pen = static_cast<BodyId>(scene.balls.size() + 1);
+  }
+}
+
+Result<std::unique_ptr<Simulation>> Simulation::create(const Scene& scene, std::shared_ptr<const surface::Surface> surface) {
+  std::unique_ptr<Simulation> simulation(new Simulation(scene, std::move(surface)));
+  if (auto baked = simulation->bake(); !baked) return tl::unexpected(baked.error());
+  return simulation;
+}
+
+Result<void> Simulation::bake() {
+  const std::int64_t start = process_cpu_ns();
+  std::vector<sound::SoundBody> bodies;
+  std::optional<Error> error;
+  const auto add = [&](sound::SoundBody body, const std::string& name, const sound::TetMesh& mesh, const Material& material) {
+    if (error) return;
+    sound::BakeOptions options;
+    options.modes.count = scene_.sound.modes;
+    auto model = sound::bake(mesh, material, options);
+    if (!model) {
+      error = Error{scene_.name, fmt::format("modal analysis of the {} failed: {}", name, model.error().message()), ""};
+      return;
+    }
+    Voice voice{body.id, name, material.name, {}, {}};
+    for (const double omega : model->angular_frequency) voice.frequencies.push_back(omega / (2 * std::numbers::pi));
+    for (const double damping : model->damping) voice.t60.push_back(std::log(1000.0) / damping);
+    recording_.voices.push_back(voice);
+    body.mass = model->mass;
+    body.model = std::make_shared<const sound::ModalModel>(std::move(*model));
+    bodies.push_back(std::move(body));
+  };
+
+  const SurfaceScene& slab = scene_.surface;
+  // The slab hangs below the base plane; its modal model is a box about its middle, Y up.
+  const int cells = 24;
+  sound::SoundBody floor;
+  floor.id = floor_body;
+  floor.is_fixed = true;
+  floor.surface = surface_;
+  floor.rest_pose = {surface_->placement().to_world({slab.size.x() / 2, slab.size.y() / 2, -slab.thickness / 2}), rotation_of(slab.rotation)};
+  const double longer = slab.size.maxCoeff();
+  const auto along = [&](double side) { return std::clamp(static_cast<int>(std::lround(cells * side / longer)), 2, cells); };
+  add(floor, "floor", sound::box({slab.size.x(), slab.thickness, slab.size.y()}, along(slab.size.x()), 1, along(slab.size.y())), slab.material);
+  for (std::size_t k = 0; k < scene_.balls.size(); ++k) {
+    const dynamics::SphereBody& ball = scene_.balls[k];
+    sound::SoundBody body;
+    body.id = recording_.balls[k].body;
+    body.radius_of_curvature = ball.radius;
+    add(body, scene_.balls.size() == 1 ? "ball" : fmt::format("ball {}", k + 1), sound::ball(ball.radius, 2), ball.material);
+  }
+  if (scene_.pen) {
+    sound::SoundBody body;
+    body.id = recording_.pen;
+    body.radius_of_curvature = 0.001;  // a pen's tip, not its shaft
+    add(body, "pen", sound::cylinder(scene_.pen->radius, scene_.pen->length, 1, 16), scene_.pen->material);
+  }
+  if (error) return tl::unexpected(*error);
+  sound::SynthesizerOptions options;
+  options.sample_rate = scene_.sound.sample_rate;
+  options.seed = static_cast<std::uint64_t>(scene_.seed);
+  options.micro_level *= scene_.sound.micro;
+  options.meso = slab.representation == Representation::normal ? sound::MesoSource::normal_map : sound::MesoSource::engine_impulses;
+  synthesizer_ = std::make_unique<sound::Synthesizer>(options, std::move(bodies));
+  recording_.bake_s = static_cast<double>(process_cpu_ns() - start) * 1e-9;
+  return {};
+}
+
+void Simulation::run_until(Ticks end) {
+  // What is heard in a block may have happened up to one physics step after it was due: wait for that long.
+  const Ticks patience = clock_.due(1, scene_.physics.rate);
+  const auto block_due = [&] { return clock_.due(static_cast<std::int64_t>(block_size) * (blocks_done_ + 1), scene_.sound.sample_rate) + patience; };
+  while (true) {
+    const Ticks physics = clock_.due(physics_done_ + 1, scene_.physics.rate);
+    const Ticks servo = servo_ ? clock_.due(servo_done_, recording_.servo_rate) : std::numeric_limits<Ticks>::max();
+    const Ticks block = block_due();
+    const Ticks next = std::min({physics, servo, block});
+    if (next > end) return;
+    if (next == physics) {
+      step_physics();
+    } else if (next == servo) {
+      step_servo();
+    } else {
+      step_sound();
+    }
+  }
+}
+
+Snapshot Simulation::advance_to_frame(std::int64_t index) {
+  run_until(clock_.due(index, scene_.video.fps));
+  Snapshot snapshot;
+  snapshot.time = clock_.seconds(clock_.due(index, scene_.video.fps));
+  for (const BallTrack& ball : recording_.balls) snapshot.balls.push_back(world_.pose(ball.body));
+  if (!recording_.servo.empty()) snapshot.pen_tip = recording_.servo.back().proxy;
+  return snapshot;
+}
+
+void Simulation::finish() {
+  run_until(clock_.due(clock_.steps(scene_.duration, scene_.physics.rate), scene_.physics.rate));
+  const auto wanted = static_cast<std::size_t>(clock_.steps(scene_.duration, scene_.sound.sample_rate));
+  while (recording_.audio.size() < wanted) step_sound();
+  recording_.audio.resize(wanted);
+  sound::to_full_scale(recording_.audio, recording_.audio, {scene_.sound.gain_db});
+  Hash audio;
+  audio.add(std::span<const float>(recording_.audio));
+  recording_.audio_hash = audio.value();
+  recording_.event_hash = event_hash_.value();
+  recording_.momentum_residual = world_.momentum_residual();
+  recording_.surface_bytes = surface_->memory_bytes();
+  recording_.costs = {
+      physics_cost_.summary({"dynamics", fmt::format("1/{} s step", scene_.physics.rate), 1.0 / scene_.physics.rate}),
+      servo_cost_.summary({"haptics", fmt::format("1/{} s tick", recording_.servo_rate), 1.0 / recording_.servo_rate}),
+      sound_cost_.summary({"sound", fmt::format("{}-sample block", block_size), static_cast<double>(block_size) / scene_.sound.sample_rate}),
+  };
+}
+
+void Simulation::record(const ContactEvent& event) {
+  recording_.events.push_back(event);
+  synthesizer_->push(event);
+  event_hash_.add(event.time);
+  event_hash_.add(event.body);
+  event_hash_.add(static_cast<std::uint8_t>(event.phase));
+  for (const Vec3* v : {&event.point, &event.n_s, &event.v_t, &event.impulse}) {
+    for (int k = 0; k < 3; ++k) event_hash_.add((*v)[k]);
+  }
+}
+
+void Simulation::step_physics() {
+  physics_cost_.measure([&] { world_.step(); });
+  ++physics_done_;
+  for (const ContactEvent& event : world_.events()) record(event);
+  for (BallTrack& ball : recording_.balls) ball.position.push_back(world_.pose(ball.body).position);
+}
+
+void Simulation::step_servo() {
+  haptics::ServoSample sample;
+  servo_cost_.measure([&] { sample = servo_->tick(*device_); });
+  device_->advance(1.0 / recording_.servo_rate);
+  ++servo_done_;
+  recording_.servo.push_back(sample);
+  if (sample.touching || pen_touching_) record(pen_event(sample, static_cast<double>(servo_done_) / recording_.servo_rate));
+  pen_touching_ = sample.touching;
+}
+
+Pose Simulation::pen_pose(const Vec3& tip) const {
+  const Vec3 up = scene_.pen->direction.normalized();
+  return {tip + 0.5 * scene_.pen->length * up, Quat::FromTwoVectors(Vec3::UnitY(), up)};
+}
+
+ContactEvent Simulation::pen_event(const haptics::ServoSample& sample, double time) const {
+  const Vec3 n_g = surface_->placement().n();
+  ContactEvent event;
+  event.time = time;
+  event.body = recording_.pen;
+  event.phase = !sample.touching ? ContactPhase::end : pen_touching_ ? ContactPhase::persist : ContactPhase::begin;
+  event.point = sample.proxy;
+  event.uv = sample.uv;
+  event.n_g = n_g;
+  event.n_s = sample.n_s;
+  event.v_t = sample.velocity - sample.velocity.dot(n_g) * n_g;
+  event.duration = 1.0 / recording_.servo_rate;
+  event.impulse = sample.force * event.duration;
+  event.body_pose = pen_pose(sample.proxy);
+  return event;
+}
+
+void Simulation::step_sound() {
+  sound_cost_.measure([&] { synthesizer_->render(block_); });
+  ++blocks_done_;
+  recording_.audio.insert(recording_.audio.end(), block_.begin(), block_.end());
+}
+
+}  // namespace intaglio::session

@@ -1,0 +1,71 @@
+// The multi-rate loop: physics, haptics and sound of a scene, advanced in one clock.
+//
+// Loops run in the order in which their steps are due (core/clock.h); at the same tick physics goes before haptics, haptics before
+// sound. A block of sound is made when every contact that can be heard in it has happened. One thread; deterministic.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "intaglio/core/clock.h"
+#include "intaglio/core/error.h"
+#include "intaglio/core/hash.h"
+#include "intaglio/session/cost.h"
+#include "intaglio/session/recording.h"
+#include "intaglio/session/scene.h"
+#include "intaglio/sound/synthesizer.h"
+
+namespace intaglio::session {
+
+// The scene's texture on its rectangle. `notes` receives what import found, a line each.
+Result<std::shared_ptr<const surface::Surface>> make_surface(const Scene& scene, std::vector<std::string>* notes);
+
+// Where everything is, for one picture.
+struct Snapshot {
+  double time = 0;
+  std::vector<Pose> balls;
+  std::optional<Vec3> pen_tip;
+};
+
+class Simulation {
+ public:
+  // Bakes the modal models (seconds).
+  static Result<std::unique_ptr<Simulation>> create(const Scene& scene, std::shared_ptr<const surface::Surface> surface);
+
+  // Runs everything that is due before or at frame `index`, and shows where things are then.
+  Snapshot advance_to_frame(std::int64_t index);
+  // Runs to the end of the scene; then recording() is complete but for pictures, their cost and wall time.
+  void finish();
+
+  Recording& recording() { return recording_; }
+
+ private:
+  Simulation(const Scene& scene, std::shared_ptr<const surface::Surface> surface);
+
+  Result<void> bake();
+  void run_until(Ticks end);
+  void step_physics();
+  void step_servo();
+  void step_sound();
+  void record(const ContactEvent& event);
+  Pose pen_pose(const Vec3& tip) const;
+  ContactEvent pen_event(const haptics::ServoSample& sample, double time) const;
+
+  Scene scene_;
+  std::shared_ptr<const surface::Surface> surface_;
+  Clock clock_;
+  dynamics::World world_;
+  std::optional<haptics::SimulatedDevice> device_;
+  std::optional<haptics::PenServo> servo_;
+  std::unique_ptr<sound::Synthesizer> synthesizer_;
+  std::vector<float> block_;
+
+  std::int64_t physics_done_ = 0, servo_done_ = 0, blocks_done_ = 0;
+  bool pen_touching_ = false;
+  CostMeter physics_cost_, servo_cost_, sound_cost_;
+  Hash event_hash_;
+  Recording recording_;
+};
+
+}  // namespace intaglio::session

@@ -1,0 +1,102 @@
+// One pair of bodies in contact: the points of one step, what lasts from step to step, and how both become
+// blows and noise.
+//
+// Internal to sound/. SI units, world frame. One thread; after construction nothing here allocates, locks or
+// throws.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "intaglio/core/event.h"
+#include "intaglio/core/random.h"
+#include "intaglio/sound/contact_force.h"
+#include "intaglio/sound/ensemble.h"
+#include "intaglio/sound/micro.h"
+#include "intaglio/sound/synthesizer.h"
+
+namespace intaglio::sound {
+
+// All contact points of one pair in the step that ends at `time`.
+struct ContactStep {
+  static constexpr std::size_t max_points = 8;
+
+  double time = 0, duration = 0;  // s
+  bool has_begin = false;
+  std::array<ContactEvent, max_points> points;
+  std::size_t count = 0;        // 0: no contact in this step
+  Vec3 impulse = Vec3::Zero();  // N s, of all points, also of those beyond max_points
+  double normal_impulse = 0;    // N s, along n_g
+
+  double start() const { return time - duration; }
+  void add(const ContactEvent& event);
+  // How much of the step's impulse point i bears; all add up to 1.
+  double share(std::size_t i) const;
+  // The point that bears most, and the one whose uv is nearest to `uv`.
+  const ContactEvent& main_point() const;
+  const ContactEvent& nearest_point(const Vec2& uv) const;
+};
+
+class ContactPair {
+ public:
+  ContactPair(Ensemble& ensemble, int body, int other, const SynthesizerOptions& options);
+
+  int body() const { return sides_[0].body; }
+  int other() const { return sides_[1].body; }
+  bool is_touching() const { return is_touching_; }
+  double last_time() const { return last_step_.time; }
+
+  // Takes one more event of the step being gathered. When it belongs to a later step, that one is finished
+  // first.
+  void add(const ContactEvent& event, double now);
+  // Turns the gathered step into sound that begins no earlier than `now`.
+  void finish_step(double now);
+  // The contact has ended: what lasted is released.
+  void part(double now);
+  // Hands the micro noise of the samples from `first` on to the ensemble.
+  void drive(std::int64_t first, std::size_t samples);
+
+  std::uint64_t truncated_paths() const { return truncated_paths_; }
+
+ private:
+  // One of the two bodies: `body` feels the impulses as they are reported, `other` their opposite.
+  struct Side {
+    int body;
+    double sign;
+    std::vector<float> blow_gains, normal_gains;
+  };
+  // Micro sound through one step: normal force and speed go linearly from one end to the other.
+  struct Sliding {
+    double start = 0, end = 0;            // s
+    double force_from = 0, force_to = 0;  // N
+    double speed_from = 0, speed_to = 0;  // m/s
+  };
+
+  void find_gains(const Vec3& direction, std::vector<float> Side::*gains);
+  HalfSine shape_of(double impulse, double start) const;
+  void blow(const Vec3& impulse, double start);
+  void follow_path(double now);
+  void slide();
+
+  Ensemble& ensemble_;
+  SynthesizerOptions options_;
+  std::array<Side, 2> sides_;
+  double mass_, radius_, modulus_, rebound_;  // effective, of Hertz contact; rebound is 1 + restitution
+  double micro_level_;                        // noise force per normal force
+  std::shared_ptr<const MicroNoise> micro_;   // of the rougher body
+  Random random_;
+  ContactForce force_;
+
+  ContactStep step_;       // being gathered
+  ContactStep last_step_;  // finished
+  bool is_touching_ = false;
+  Vec2 uv_ = Vec2::Zero();  // where the path of the contact has come to
+  Sliding sliding_;
+  double distance_ = 0;  // m, slid in contact
+  std::array<float, block_samples> noise_;
+  std::uint64_t truncated_paths_ = 0;
+};
+
+}  // namespace intaglio::sound

@@ -1,0 +1,114 @@
+#include "intaglio/sound/ensemble.h"
+
+#include <algorithm>
+
+namespace intaglio::sound {
+
+namespace {
+
+const Material& material_of(const SoundBody& body) {
+  static const Material unknown;
+  return body.model ? body.model->material : unknown;
+}
+
+double slope(const MicroRoughness& micro) {
+  return micro.rms_height / micro.correlation_length;
+}
+
+}  // namespace
+
+Ensemble::Member::Member(SoundBody b, const SynthesizerOptions& options)
+    : body(std::move(b)),
+      pose(body.rest_pose),
+      micro(std::make_shared<MicroNoise>(material_of(body).micro, options.seed)) {
+  if (body.model) bank.emplace_back(*body.model, options.sample_rate);
+}
+
+std::vector<Ensemble::Member> Ensemble::members(std::vector<SoundBody> bodies,
+                                                const SynthesizerOptions& options) {
+  std::vector<Member> all;
+  for (SoundBody& body : bodies) all.emplace_back(std::move(body), options);
+  return all;
+}
+
+Ensemble::Ensemble(std::vector<SoundBody> bodies, const SynthesizerOptions& options)
+    : sample_rate_(options.sample_rate),
+      bodies_(members(std::move(bodies), options)),
+      pulses_(options.max_pulses, most_modes()),
+      scratch_(std::size_t(most_modes())),
+      impulses_(std::size_t(options.max_pulses)) {
+  reserve_drives(0);
+}
+
+const Material& Ensemble::material(int i) const {
+  return material_of(body(i));
+}
+
+std::shared_ptr<const MicroNoise> Ensemble::rougher(int i, int j) const {
+  return bodies_[std::size_t(slope(material(i).micro) >= slope(material(j).micro) ? i : j)].micro;
+}
+
+int Ensemble::most_modes() const {
+  int most = 0;
+  for (const Member& member : bodies_) most = std::max(most, member.padded_modes());
+  return most;
+}
+
+void Ensemble::reserve_drives(std::size_t count) {
+  for (Member& member : bodies_) member.drives.reserve(impulses_.size() + count);
+}
+
+int Ensemble::find(BodyId id) const {
+  const auto found =
+      std::find_if(bodies_.begin(), bodies_.end(), [id](const Member& m) { return m.body.id == id; });
+  return found == bodies_.end() ? -1 : static_cast<int>(found - bodies_.begin());
+}
+
+void Ensemble::add_gains(int i, const Vec3& point, const Vec3& direction, double weight,
+                         std::span<float> out) {
+  const Member& member = bodies_[std::size_t(i)];
+  if (member.bank.empty()) return;
+  const std::span<float> gains = std::span(scratch_).first(std::size_t(member.bank[0].modes()));
+  member.body.model->gains(member.pose.to_local(point), member.pose.orientation.conjugate() * direction,
+                           gains);
+  for (std::size_t m = 0; m < gains.size(); ++m) out[m] += static_cast<float>(weight) * gains[m];
+}
+
+void Ensemble::strike(int i, std::span<const float> gains, const HalfSine& shape, double impulse) {
+  if (bodies_[std::size_t(i)].bank.empty() || impulse == 0) return;
+  const std::span<float> row = pulses_.add({shape, impulse, i});
+  if (!row.empty()) std::copy(gains.begin(), gains.end(), row.begin());
+}
+
+void Ensemble::render(std::int64_t first, std::span<float> out) {
+  const double dt = 1 / sample_rate_;
+  const double time = static_cast<double>(first) * dt;
+  for (int i = 0; i < pulses_.size(); ++i) {
+    const Pulse& pulse = pulses_.pulse(i);
+    if (pulse.shape.start >= time + static_cast<double>(out.size()) * dt) continue;
+    const std::span<float> impulse = std::span(impulses_[std::size_t(i)]).first(out.size());
+    pulse.shape.sample(time, dt, impulse);
+    for (float& x : impulse) x *= static_cast<float>(pulse.impulse);
+    Member& member = bodies_[std::size_t(pulse.body)];
+    member.drives.push_back({pulses_.gains(i).first(std::size_t(member.padded_modes())), impulse, 0});
+  }
+  for (Member& member : bodies_) {
+    if (!member.bank.empty()) member.bank[0].process(member.drives, out);
+    member.drives.clear();
+  }
+  pulses_.remove_ended(time + static_cast<double>(out.size()) * dt);
+}
+
+void Ensemble::sleep_when_silent() {
+  for (Member& member : bodies_) {
+    if (!member.bank.empty()) member.bank[0].sleep_when_silent();
+  }
+}
+
+bool Ensemble::is_silent() const {
+  return pulses_.size() == 0 && std::all_of(bodies_.begin(), bodies_.end(), [](const Member& member) {
+           return member.bank.empty() || member.bank[0].is_silent();
+         });
+}
+
+}  // namespace intaglio::sound

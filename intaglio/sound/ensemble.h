@@ -1,0 +1,71 @@
+// All sounding bodies together: their resonators, where they are, and the pulses that strike them.
+//
+// Internal to sound/. All memory is taken at construction; nothing here allocates, locks or throws
+// afterwards. One thread.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "intaglio/sound/micro.h"
+#include "intaglio/sound/modal_bank.h"
+#include "intaglio/sound/pulse_pool.h"
+#include "intaglio/sound/synthesizer.h"
+
+namespace intaglio::sound {
+
+class Ensemble {
+ public:
+  Ensemble(std::vector<SoundBody> bodies, const SynthesizerOptions& options);
+
+  int size() const { return static_cast<int>(bodies_.size()); }
+  const SoundBody& body(int i) const { return bodies_[std::size_t(i)].body; }
+  // Of the model, or the default one.
+  const Material& material(int i) const;
+  // The noise of the rougher of two bodies: the one with the greater rms slope.
+  std::shared_ptr<const MicroNoise> rougher(int i, int j) const;
+  // -1 when no body has that id.
+  int find(BodyId id) const;
+  void move(int i, const Pose& pose) { bodies_[std::size_t(i)].pose = pose; }
+  int padded_modes(int i) const { return bodies_[std::size_t(i)].padded_modes(); }
+
+  // Adds `weight` times the gains of body i for a push along `direction` at `point` (both world) to `out`, of
+  // padded_modes(i).
+  void add_gains(int i, const Vec3& point, const Vec3& direction, double weight, std::span<float> out);
+  // Strikes body i with `impulse` (N s) times `gains`, of padded_modes(i), as a pulse.
+  void strike(int i, std::span<const float> gains, const HalfSine& shape, double impulse);
+  // Drives body i in the coming block; both spans must live until then.
+  void drive(int i, const Drive& drive) { bodies_[std::size_t(i)].drives.push_back(drive); }
+  // Room for that many sustained drives a block.
+  void reserve_drives(std::size_t count);
+
+  // Adds the samples from number `first` on to `out`, at most block_samples.
+  void render(std::int64_t first, std::span<float> out);
+  void sleep_when_silent();
+  bool is_silent() const;
+  std::uint64_t dropped_pulses() const { return pulses_.dropped(); }
+
+ private:
+  struct Member {
+    Member(SoundBody b, const SynthesizerOptions& options);
+    int padded_modes() const { return bank.empty() ? 0 : bank[0].padded_modes(); }
+
+    SoundBody body;
+    Pose pose;
+    std::vector<ModalBank> bank;  // one, or none for a body that makes no sound
+    std::vector<Drive> drives;    // of the coming block
+    std::shared_ptr<const MicroNoise> micro;
+  };
+  static std::vector<Member> members(std::vector<SoundBody> bodies, const SynthesizerOptions& options);
+  int most_modes() const;
+
+  double sample_rate_;
+  std::vector<Member> bodies_;
+  PulsePool pulses_;
+  std::vector<float> scratch_;                              // gains of one push
+  std::vector<std::array<float, block_samples>> impulses_;  // of each pulse in the block
+};
+
+}  // namespace intaglio::sound

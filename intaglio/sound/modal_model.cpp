@@ -1,0 +1,157 @@
+#include "intaglio/sound/modal_model.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+
+#include "intaglio/sound/fem/element.h"
+
+namespace intaglio::sound {
+
+namespace {
+
+constexpr double air_density = 1.204;     // kg/m^3, at 20 degrees
+constexpr double speed_of_sound = 343.2;  // m/s
+
+// The surface of the mesh as flat triangles, four to each curved one, with nodes renumbered. Returns the
+// nodes kept.
+std::vector<int> take_surface(const TetMesh& mesh, ModalModel& model) {
+  std::vector<int> number(mesh.nodes.size(), -1), kept;
+  const auto point = [&](int node) {
+    int& n = number[std::size_t(node)];
+    if (n < 0) {
+      n = static_cast<int>(kept.size());
+      kept.push_back(node);
+      model.points.push_back(mesh.nodes[std::size_t(node)]);
+    }
+    return n;
+  };
+  constexpr std::array<std::array<std::size_t, 3>, 4> quarters{{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
+  for (const Triangle6& face : mesh.boundary) {
+    for (const auto& [a, b, c] : quarters)
+      model.triangles.push_back({point(face[a]), point(face[b]), point(face[c])});
+  }
+  return kept;
+}
+
+// Root mean square over the surface of the normal component of mode `mode`.
+double normal_rms(const ModalModel& model, int mode) {
+  double sum = 0, area = 0;
+  for (const Triangle& t : model.triangles) {
+    const Vec3& origin = model.points[std::size_t(t[0])];
+    const Vec3 cross =
+        (model.points[std::size_t(t[1])] - origin).cross(model.points[std::size_t(t[2])] - origin);
+    const Vec3 mean = (model.shape(t[0], mode) + model.shape(t[1], mode) + model.shape(t[2], mode)) / 3;
+    sum += 0.5 * cross.norm() * std::pow(mean.dot(cross.normalized()), 2);
+    area += 0.5 * cross.norm();
+  }
+  return std::sqrt(sum / area);
+}
+
+double surface_area(const ModalModel& model) {
+  double area = 0;
+  for (const Triangle& t : model.triangles) {
+    const Vec3& origin = model.points[std::size_t(t[0])];
+    area += 0.5 *
+            (model.points[std::size_t(t[1])] - origin).cross(model.points[std::size_t(t[2])] - origin).norm();
+  }
+  return area;
+}
+
+void take_shapes(const Eigen::MatrixXd& shape, const std::vector<Eigen::Index>& ringing,
+                 const std::vector<int>& nodes, ModalModel& model) {
+  for (const int node : nodes) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const Eigen::Index m : ringing)
+        model.shapes.push_back(static_cast<float>(shape(3 * node + axis, m)));
+    }
+  }
+}
+
+// What would make the numbers below meaningless.
+Result<void> check(const TetMesh& mesh, const Material& material) {
+  const auto complain = [&](const char* what, const char* fix) -> Result<void> {
+    return fail(fmt::format("material \"{}\"", material.name), what, fix);
+  };
+  if (!(material.density > 0)) return complain("its density is not positive", "give kg/m^3");
+  if (!(material.youngs_modulus > 0)) return complain("its Young's modulus is not positive", "give Pa");
+  if (!(material.poisson_ratio > -1 && material.poisson_ratio < 0.5)) {
+    return complain("its Poisson ratio is out of range", "a Poisson ratio lies between -1 and 0.5");
+  }
+  if (!(material.rayleigh_alpha >= 0 && material.rayleigh_beta >= 0)) {
+    return complain("its damping is negative", "Rayleigh alpha and beta are at least 0");
+  }
+  if (mesh.tets.empty()) return fail("mesh", "it has no tetrahedra");
+  for (const Tet10& tet : mesh.tets) {
+    const ElementNodes nodes = element_nodes(mesh, tet);
+    for (const QuadraturePoint& q : tet_quadrature()) {
+      if (!(jacobian(nodes, q.barycentric) > 0)) {
+        return fail("mesh", "a tetrahedron is inside out", "curve the surface less, or use smaller elements");
+      }
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Vec3 ModalModel::shape(int point, int mode) const {
+  const auto n = static_cast<std::size_t>(modes());
+  const float* const x = shapes.data() + std::size_t(point) * 3 * n + std::size_t(mode);
+  return {x[0], x[n], x[2 * n]};
+}
+
+void ModalModel::gains(const Vec3& point_local, const Vec3& direction_local, std::span<float> out) const {
+  assert(out.size() <= angular_frequency.size());
+  if (out.empty()) return;
+  const TrianglePoint at = grid.nearest(point_local, points, triangles);
+  std::fill(out.begin(), out.end(), 0.0f);
+  for (int corner = 0; corner < 3; ++corner) {
+    const auto point = static_cast<std::size_t>(triangles[std::size_t(at.triangle)][std::size_t(corner)]);
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto weight = static_cast<float>(at.barycentric[corner] * direction_local[axis]);
+      const float* const row = shapes.data() + (3 * point + std::size_t(axis)) * angular_frequency.size();
+      for (std::size_t m = 0; m < out.size(); ++m) out[m] += weight * row[m];
+    }
+  }
+}
+
+double radiation_weight(double omega, double area, double normal_velocity_rms) {
+  const double radius = std::sqrt(area / (4 * std::numbers::pi));
+  const double ka = omega / speed_of_sound * radius;
+  const double efficiency = ka * ka / (1 + ka * ka);
+  return air_density * speed_of_sound * normal_velocity_rms *
+         std::sqrt(area * efficiency / (4 * std::numbers::pi));
+}
+
+Result<ModalModel> bake(const TetMesh& mesh, const Material& material, const BakeOptions& options) {
+  if (auto valid = check(mesh, material); !valid) return tl::unexpected(valid.error());
+  const auto modes = free_modes(assemble(mesh, material), options.modes);
+  if (!modes) return tl::unexpected(modes.error());
+
+  ModalModel model;
+  model.name = options.name;
+  model.material = material;
+  model.mass = material.density * volume(mesh);
+  std::vector<Eigen::Index> ringing;
+  for (Eigen::Index m = 0; m < modes->angular_frequency.size(); ++m) {
+    const double omega = modes->angular_frequency[m];
+    const double d = 0.5 * (material.rayleigh_alpha + material.rayleigh_beta * omega * omega);
+    if (d >= omega) continue;
+    ringing.push_back(m);
+    model.angular_frequency.push_back(omega);
+    model.damping.push_back(d);
+  }
+  take_shapes(modes->shape, ringing, take_surface(mesh, model), model);
+  model.area = surface_area(model);
+  model.grid = TriangleGrid(model.points, model.triangles);
+  for (int m = 0; m < model.modes(); ++m) {
+    model.radiation.push_back(
+        radiation_weight(model.angular_frequency[std::size_t(m)], model.area, normal_rms(model, m)));
+  }
+  return model;
+}
+
+}  // namespace intaglio::sound

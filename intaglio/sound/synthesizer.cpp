@@ -1,0 +1,176 @@
+#include "intaglio/sound/synthesizer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+
+#include "intaglio/sound/contact_pair.h"
+#include "intaglio/sound/ensemble.h"
+
+namespace intaglio::sound {
+
+namespace {
+
+constexpr std::size_t reserved_events = 4096;
+
+// Events in order of arrival. Grows only in push(), and sooner forgets what has been taken when that is most
+// of it.
+class EventQueue {
+ public:
+  EventQueue() { events_.reserve(reserved_events); }
+
+  bool empty() const { return first_ == events_.size(); }
+  const ContactEvent& front() const { return events_[first_]; }
+  void pop() { ++first_; }
+  void push(const ContactEvent& event) {
+    if (events_.size() == events_.capacity() && 2 * first_ >= events_.size()) {
+      events_.erase(events_.begin(), events_.begin() + static_cast<std::ptrdiff_t>(first_));
+      first_ = 0;
+    }
+    events_.push_back(event);
+  }
+
+ private:
+  std::vector<ContactEvent> events_;
+  std::size_t first_ = 0;
+};
+
+}  // namespace
+
+class Synthesizer::Engine {
+ public:
+  Engine(const SynthesizerOptions& options, std::vector<SoundBody> bodies)
+      : options_(options), ensemble_(std::move(bodies), options) {}
+
+  void push(const ContactEvent& event);
+  void render(std::span<float> out);
+  double time() const { return static_cast<double>(sample_) / options_.sample_rate; }
+  bool is_silent() const;
+  SynthesizerStatus status() const;
+
+ private:
+  using Sample = std::int64_t;
+
+  Sample sample_at(double time) const { return static_cast<Sample>(std::floor(time * options_.sample_rate)); }
+  // When a touching pair of which no further step has come counts as parted: two samples of grace for
+  // rounding.
+  Sample parting(const ContactPair& pair) const { return sample_at(pair.last_time()) + 2; }
+  static double start_of(const ContactEvent& event) { return event.time - event.duration; }
+
+  ContactPair* find_pair(const ContactEvent& event);
+  void take_due_events();
+  void part_ended_pairs();
+  Sample next_change() const;
+
+  SynthesizerOptions options_;
+  Ensemble ensemble_;
+  std::deque<ContactPair> pairs_;  // a deque, for addresses that stay
+  EventQueue events_;
+  SynthesizerStatus status_;
+  Sample sample_ = 0;  // the next one
+};
+
+ContactPair* Synthesizer::Engine::find_pair(const ContactEvent& event) {
+  for (ContactPair& pair : pairs_) {
+    if (ensemble_.body(pair.body()).id == event.body && ensemble_.body(pair.other()).id == event.other)
+      return &pair;
+  }
+  return nullptr;
+}
+
+void Synthesizer::Engine::push(const ContactEvent& event) {
+  const int body = ensemble_.find(event.body), other = ensemble_.find(event.other);
+  if (body < 0 || other < 0) {
+    ++status_.unknown_bodies;
+    return;
+  }
+  if (!find_pair(event)) {
+    pairs_.emplace_back(ensemble_, body, other, options_);
+    ensemble_.reserve_drives(pairs_.size());
+  }
+  if (sample_at(start_of(event)) + 1 < sample_) ++status_.late_events;
+  events_.push(event);
+}
+
+// Every step that begins before the next sample ends is taken now, whole.
+void Synthesizer::Engine::take_due_events() {
+  const double now = time();
+  while (!events_.empty() && sample_at(start_of(events_.front())) <= sample_) {
+    const ContactEvent& event = events_.front();
+    ContactPair& pair = *find_pair(event);
+    ensemble_.move(pair.body(), event.body_pose);
+    pair.add(event, now);
+    events_.pop();
+  }
+  for (ContactPair& pair : pairs_) pair.finish_step(now);
+}
+
+void Synthesizer::Engine::part_ended_pairs() {
+  for (ContactPair& pair : pairs_) {
+    if (pair.is_touching() && parting(pair) <= sample_) pair.part(time());
+  }
+}
+
+// The next sample at which the contacts change: blocks end there, so that the output does not depend on how
+// they are cut.
+Synthesizer::Engine::Sample Synthesizer::Engine::next_change() const {
+  Sample next = (sample_ / block_samples + 1) * block_samples;
+  if (!events_.empty()) next = std::min(next, sample_at(start_of(events_.front())));
+  for (const ContactPair& pair : pairs_) {
+    if (pair.is_touching()) next = std::min(next, parting(pair));
+  }
+  return next;
+}
+
+void Synthesizer::Engine::render(std::span<float> out) {
+  std::fill(out.begin(), out.end(), 0.0f);
+  while (!out.empty()) {
+    take_due_events();
+    part_ended_pairs();
+    const auto length = std::min(out.size(), static_cast<std::size_t>(next_change() - sample_));
+    for (ContactPair& pair : pairs_) {
+      if (pair.is_touching()) pair.drive(sample_, length);
+    }
+    ensemble_.render(sample_, out.first(length));
+    sample_ += static_cast<Sample>(length);
+    if (sample_ % block_samples == 0) ensemble_.sleep_when_silent();
+    out = out.subspan(length);
+  }
+}
+
+bool Synthesizer::Engine::is_silent() const {
+  return events_.empty() && ensemble_.is_silent() &&
+         std::none_of(pairs_.begin(), pairs_.end(),
+                      [](const ContactPair& pair) { return pair.is_touching(); });
+}
+
+SynthesizerStatus Synthesizer::Engine::status() const {
+  SynthesizerStatus status = status_;
+  status.dropped_pulses = ensemble_.dropped_pulses();
+  for (const ContactPair& pair : pairs_) status.truncated_paths += pair.truncated_paths();
+  return status;
+}
+
+Synthesizer::Synthesizer(const SynthesizerOptions& options, std::vector<SoundBody> bodies)
+    : engine_(std::make_unique<Engine>(options, std::move(bodies))) {}
+Synthesizer::Synthesizer(Synthesizer&&) noexcept = default;
+Synthesizer& Synthesizer::operator=(Synthesizer&&) noexcept = default;
+Synthesizer::~Synthesizer() = default;
+
+void Synthesizer::push(const ContactEvent& event) {
+  engine_->push(event);
+}
+void Synthesizer::render(std::span<float> out) {
+  engine_->render(out);
+}
+double Synthesizer::time() const {
+  return engine_->time();
+}
+bool Synthesizer::is_silent() const {
+  return engine_->is_silent();
+}
+SynthesizerStatus Synthesizer::status() const {
+  return engine_->status();
+}
+
+}  // namespace intaglio::sound

@@ -1,0 +1,83 @@
+// From contact events to sound: pascals at 1 m, sample by sample.
+//
+// Feed it events (in order of time), then ask for the samples. Both bodies of a pair ring: `body` is struck
+// by the blow, `other` by its opposite. What a contact sounds like has three levels (§1.2.5.1):
+//   macro   the first touch: the step's impulse as one Hertz half-sine in the middle of its step
+//   meso    while contact lasts: either the engine's impulses (§1.3.3), of which only what is new strikes
+//   (contact_force.h),
+//           each at a seeded random place within its step, because 480 steps a second would otherwise buzz at
+//           480 Hz; or Eq. 1.4 at every texel that the contact crosses (meso.h)
+//   micro   while contact lasts: fractal noise by distance travelled, level by normal force (micro.h)
+//
+// An event reports the step that ends at `event.time` and lasts `event.duration`; the points of one pair with
+// equal times are one step. Before render() up to time t, every event whose step begins before t must have
+// been pushed; one that comes late sounds at once and is counted. The output depends on events and seed
+// alone, not on how render() calls are cut. One thread. render() neither allocates, locks nor throws: at most
+// `max_pulses` blows sound at once (then the smallest is dropped and counted), at most 8 points of a step are
+// told apart, at most 256 texel crossings a step. push() allocates when a pair first meets, or when more than
+// 4,096 events wait.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "intaglio/core/event.h"
+#include "intaglio/sound/modal_model.h"
+#include "intaglio/surface/surface.h"
+
+namespace intaglio::sound {
+
+enum class MesoSource { engine_impulses, normal_map };
+
+struct SynthesizerOptions {
+  double sample_rate = 44'100;  // Hz
+  std::uint64_t seed = 1;
+  MesoSource meso = MesoSource::engine_impulses;
+  double micro_level = 0.3;  // noise force per normal force and unit of rms slope; 0 switches micro sound off
+  double dead_band = 1e-3;   // of the lasting impulse; smaller changes are the solver's noise
+  int max_pulses = 1024;
+};
+
+struct SoundBody {
+  BodyId id = 0;
+  std::shared_ptr<const ModalModel> model;  // absent: the body makes no sound
+  double mass = 1;                          // kg
+  bool is_fixed = false;                    // its mass counts as infinite
+  double radius_of_curvature =
+      std::numeric_limits<double>::infinity();      // m, where it touches; flat by default
+  Pose rest_pose;                                   // until an event tells where it is
+  std::shared_ptr<const surface::Surface> surface;  // of a textured body, for MesoSource::normal_map
+};
+
+struct SynthesizerStatus {
+  std::uint64_t dropped_pulses = 0;   // raise max_pulses
+  std::uint64_t truncated_paths = 0;  // steps with more than 256 texel crossings
+  std::uint64_t late_events = 0;      // pushed after their step had been rendered
+  std::uint64_t unknown_bodies = 0;   // events that name a body not listed, ignored
+};
+
+class Synthesizer {
+ public:
+  Synthesizer(const SynthesizerOptions& options, std::vector<SoundBody> bodies);
+  Synthesizer(Synthesizer&&) noexcept;
+  Synthesizer& operator=(Synthesizer&&) noexcept;
+  ~Synthesizer();
+
+  void push(const ContactEvent& event);
+  // The next out.size() samples, Pa at 1 m.
+  void render(std::span<float> out);
+  // Of the next sample, s.
+  double time() const;
+
+  bool is_silent() const;  // nothing rings and nothing is about to
+  SynthesizerStatus status() const;
+
+ private:
+  class Engine;
+  std::unique_ptr<Engine> engine_;
+};
+
+}  // namespace intaglio::sound

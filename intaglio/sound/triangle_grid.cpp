@@ -1,0 +1,98 @@
+#include "intaglio/sound/triangle_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace intaglio::sound {
+
+namespace {
+
+constexpr int cells_along_longest_side = 16;
+
+double distance_to(const Vec3& p, const Triangle& t, const std::vector<Vec3>& points) {
+  const Vec3 &a = points[std::size_t(t[0])], &b = points[std::size_t(t[1])], &c = points[std::size_t(t[2])];
+  const Vec3 w = nearest_barycentric(p, a, b, c);
+  return (w[0] * a + w[1] * b + w[2] * c - p).norm();
+}
+
+}  // namespace
+
+Vec3 nearest_barycentric(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
+  const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp),
+               d6 = ac.dot(cp);
+  if (d1 <= 0 && d2 <= 0) return Vec3::UnitX();
+  if (d3 >= 0 && d4 <= d3) return Vec3::UnitY();
+  if (d6 >= 0 && d5 <= d6) return Vec3::UnitZ();
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return {1 - d1 / (d1 - d3), d1 / (d1 - d3), 0};
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return {1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)};
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+    const double t = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    return {0, 1 - t, t};
+  }
+  return Vec3(va, vb, vc) / (va + vb + vc);
+}
+
+TriangleGrid::TriangleGrid(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles) {
+  if (triangles.empty()) return;
+  Eigen::AlignedBox3d bounds;
+  for (const Vec3& p : points) bounds.extend(p);
+  low_ = bounds.min();
+  cell_size_ = bounds.sizes().maxCoeff() / cells_along_longest_side;
+  cells_ = (bounds.sizes() / cell_size_).array().ceil().cast<int>().max(1).min(cells_along_longest_side);
+
+  const double half_diagonal = 0.5 * std::sqrt(3.0) * cell_size_;
+  std::vector<double> distance(triangles.size());
+  for (int cell = 0; cell < cells_.prod(); ++cell) {
+    const Vec3 index(cell % cells_[0], cell / cells_[0] % cells_[1], cell / (cells_[0] * cells_[1]));
+    const Vec3 middle = low_ + cell_size_ * (index + Vec3::Constant(0.5));
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+      distance[t] = distance_to(middle, triangles[t], points);
+    const auto nearest = std::min_element(distance.begin(), distance.end());
+    start_.push_back(static_cast<int>(candidates_.size()));
+    candidates_.push_back(static_cast<int>(nearest - distance.begin()));
+    if (*nearest > half_diagonal + cell_size_) continue;
+    // A point of the cell is within half a diagonal of the middle, and so is its distance to any triangle.
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+      if (distance[t] <= *nearest + 2 * half_diagonal) candidates_.push_back(static_cast<int>(t));
+    }
+  }
+  start_.push_back(static_cast<int>(candidates_.size()));
+}
+
+int TriangleGrid::cell_of(const Vec3& p) const {
+  std::array<int, 3> index{};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double place = std::floor((p[axis] - low_[axis]) / cell_size_);
+    index[std::size_t(axis)] = static_cast<int>(std::clamp(place, 0.0, cells_[axis] - 1.0));
+  }
+  return (index[2] * cells_[1] + index[1]) * cells_[0] + index[0];
+}
+
+TrianglePoint TriangleGrid::nearest(const Vec3& p, const std::vector<Vec3>& points,
+                                    const std::vector<Triangle>& triangles) const {
+  const Vec3 high = low_ + cell_size_ * cells_.cast<double>();
+  const Vec3 inside = p.cwiseMax(low_).cwiseMin(high);
+  const auto cell = static_cast<std::size_t>(cell_of(inside));
+  TrianglePoint best;
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = start_[cell]; i < start_[cell + 1]; ++i) {
+    const int t = candidates_[std::size_t(i)];
+    const Triangle& corner = triangles[std::size_t(t)];
+    const Vec3 &a = points[std::size_t(corner[0])], &b = points[std::size_t(corner[1])],
+               &c = points[std::size_t(corner[2])];
+    const Vec3 w = nearest_barycentric(inside, a, b, c);
+    const double distance = (w[0] * a + w[1] * b + w[2] * c - inside).squaredNorm();
+    if (distance < least) {
+      least = distance;
+      best = {t, w};
+    }
+  }
+  return best;
+}
+
+}  // namespace intaglio::sound

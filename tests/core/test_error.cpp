@@ -1,0 +1,32 @@
+#include <doctest/doctest.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "intaglio/core/error.h"
+#include "intaglio/core/material.h"
+
+using namespace intaglio;
+
+TEST_CASE("an error is one line that says where, what and what would be right") {
+  const Error error{"a.toml:3", "mass is\n-1", "greater than 0"};
+  CHECK(error.message() == "a.toml:3: mass is -1; greater than 0");
+}
+
+TEST_CASE("edit distance is a metric on a set of words") {
+  const std::vector<std::string> words{"", "a", "radius", "radios", "raduis", "mass", "masses", "position"};
+  for (const auto& a : words) {
+    CHECK(edit_distance(a, a) == 0);
+    for (const auto& b : words) {
+      CHECK(edit_distance(a, b) == edit_distance(b, a));
+      for (const auto& c : words) CHECK(edit_distance(a, c) <= edit_distance(a, b) + edit_distance(b, c));
+    }
+  }
+}
+
+TEST_CASE("a misspelt material names the nearest one") {
+  const auto found = find_material("brik");
+  REQUIRE_FALSE(found);
+  CHECK(found.error().message().find("did you mean \"brick\"") != std::string::npos);
+}

@@ -1,0 +1,54 @@
+#include <doctest/doctest.h>
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <string>
+
+#include "intaglio/core/file.h"
+
+using namespace intaglio;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Folder {
+  fs::path path = fs::temp_directory_path() / ("intaglio_test_file_" + std::to_string(::getpid()));
+  Folder() { fs::create_directories(path); }
+  ~Folder() { fs::remove_all(path); }
+};
+
+}  // namespace
+
+TEST_CASE("what is written is read back, and nothing else is left behind") {
+  const Folder folder;
+  const std::string text("a\0b\n", 4);
+  REQUIRE(write_file(folder.path / "deep" / "x.bin", text));
+  const auto bytes = read_file(folder.path / "deep" / "x.bin");
+  REQUIRE(bytes);
+  CHECK(std::string(bytes->begin(), bytes->end()) == text);
+  CHECK(std::distance(fs::directory_iterator(folder.path / "deep"), fs::directory_iterator()) == 1);
+}
+
+TEST_CASE("a missing file names the nearest one") {
+  const Folder folder;
+  REQUIRE(write_file(folder.path / "brick.png", "x"));
+  const auto bytes = read_file(folder.path / "brik.png");
+  REQUIRE_FALSE(bytes);
+  CHECK(bytes.error().message().find("brick.png") != std::string::npos);
+}
+
+TEST_CASE("an unwritable place is an error before and at writing") {
+  const Folder folder;
+  REQUIRE(write_file(folder.path / "file", "x"));
+  CHECK_FALSE(check_writable(folder.path / "file" / "under_a_file.mp4"));
+  CHECK_FALSE(write_file(folder.path / "file" / "under_a_file.mp4", "y"));
+  CHECK_FALSE(check_writable(folder.path));
+}
+
+TEST_CASE("a file over the limit is refused") {
+  const Folder folder;
+  REQUIRE(write_file(folder.path / "big", std::string(100, 'x')));
+  CHECK_FALSE(read_file(folder.path / "big", 99));
+  CHECK(read_file(folder.path / "big", 100));
+}

@@ -1,0 +1,107 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <new>
+
+#include "intaglio/haptics/devices/simulated.h"
+#include "intaglio/haptics/servo.h"
+#include "tests/surface/brick_surface.h"
+
+using namespace intaglio;
+using namespace intaglio::haptics;
+
+namespace {
+// Every allocation of this program is counted; the servo tick may make none.
+std::size_t allocations = 0;
+}  // namespace
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace {
+
+SimulatedDevice pressing_hand(double depth) {
+  return SimulatedDevice({}, {}, {{0, {-0.05, 0.02, 0}}, {0.5, {-0.05, -depth, 0}}, {2.5, {0.05, -depth, 0.01}}});
+}
+
+}  // namespace
+
+TEST_CASE("in relief the dragged tip follows the relief; on the normal map it stays at the plane") {
+  const auto s = tests::brick_surface(256, 0.16);
+  for (const auto representation : {Representation::relief, Representation::normal}) {
+    SimulatedDevice device = pressing_hand(0.006);
+    ServoOptions options;
+    options.representation = representation;
+    PenServo servo(s, options);
+    double sum_t = 0, sum_s = 0, sum_tt = 0, sum_ss = 0, sum_ts = 0;
+    int n = 0;
+    double lowest = 0;
+    for (int k = 0; k < 2500; ++k) {
+      const ServoSample sample = servo.tick(device);
+      device.advance(0.001);
+      CHECK(sample.force.norm() <= 7.9);
+      if (k < 1000) continue;
+      const double ground = -s->depth(sample.uv);
+      sum_t += sample.tip.y();
+      sum_s += ground;
+      sum_tt += sample.tip.y() * sample.tip.y();
+      sum_ss += ground * ground;
+      sum_ts += sample.tip.y() * ground;
+      lowest = std::min(lowest, sample.tip.y());
+      ++n;
+    }
+    const double correlation = (n * sum_ts - sum_t * sum_s) / std::sqrt((n * sum_tt - sum_t * sum_t) * (n * sum_ss - sum_s * sum_s));
+    MESSAGE("correlation of tip and relief height: " << correlation << ", lowest tip " << lowest * 1e3 << " mm");
+    if (representation == Representation::relief) CHECK(correlation > 0.8);
+    if (representation == Representation::relief) CHECK(lowest < -0.0025);  // it went into the mortar, 3.2 mm deep
+  }
+}
+
+TEST_CASE("a tick does not allocate") {
+  const auto s = tests::brick_surface(128, 0.16);
+  SimulatedDevice device = pressing_hand(0.004);
+  PenServo servo(s, {});
+  servo.tick(device);
+  const std::size_t before = allocations;
+  for (int k = 0; k < 2000; ++k) {
+    servo.tick(device);
+    device.advance(0.001);
+  }
+  CHECK(allocations == before);
+}
+
+TEST_CASE("a device that reports not-a-number is let go of, and felt again after rearming") {
+  struct Broken : Device {
+    Vec3 position = Vec3(0, -0.002, 0);
+    Vec3 force = Vec3::Zero();
+    Vec3 read() override { return position; }
+    void write(const GuardedForce& f) override { force = f.newtons(); }
+  } device;
+  PenServo servo(tests::made_surface(8, [](Vec2) { return 0.0; }, [](Vec2) { return Vec3::UnitZ(); }), {});
+  for (int k = 0; k < 600; ++k) servo.tick(device);
+  CHECK(device.force.y() == doctest::Approx(1.2).epsilon(0.02));
+  device.position.x() = std::numeric_limits<double>::quiet_NaN();
+  servo.tick(device);
+  CHECK(device.force.norm() == 0);
+  device.position.x() = 0;
+  servo.tick(device);
+  CHECK(device.force.norm() == 0);
+  servo.rearm();
+  for (int k = 0; k < 600; ++k) servo.tick(device);
+  CHECK(device.force.y() == doctest::Approx(1.2).epsilon(0.02));
+}
+
+TEST_CASE("the simulated hand reaches its waypoints when nothing is in the way, and encoders have their resolution") {
+  SimulatedDevice device({}, {}, {{0, {0, 0, 0}}, {1, {0.03, 0.02, -0.01}}});
+  for (int k = 0; k < 1500; ++k) device.advance(0.001);
+  CHECK((device.position() - Vec3(0.03, 0.02, -0.01)).norm() < 1e-4);
+  const Vec3 read = device.read();
+  for (int c = 0; c < 3; ++c) CHECK(std::abs(read[c] / 2.3e-5 - std::round(read[c] / 2.3e-5)) < 1e-6);
+}

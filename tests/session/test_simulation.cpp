@@ -1,0 +1,76 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "intaglio/session/simulation.h"
+
+using namespace intaglio;
+using namespace intaglio::session;
+
+namespace {
+
+Recording run(const std::string& text) {
+  auto scene = parse_scene(text, "s.toml");
+  REQUIRE_MESSAGE(scene, (scene ? "" : scene.error().message()));
+  scene->sound.modes = 30;
+  auto surface = make_surface(*scene, nullptr);
+  REQUIRE(surface);
+  auto simulation = Simulation::create(*scene, *surface);
+  REQUIRE(simulation);
+  (*simulation)->advance_to_frame(3);
+  (*simulation)->finish();
+  return std::move((*simulation)->recording());
+}
+
+double rms(const std::vector<float>& audio, double from, double to) {
+  double sum = 0;
+  const auto a = static_cast<std::size_t>(from * 44100);
+  const auto b = std::min(audio.size(), static_cast<std::size_t>(to * 44100));
+  for (std::size_t k = a; k < b; ++k) sum += static_cast<double>(audio[k]) * static_cast<double>(audio[k]);
+  return std::sqrt(sum / static_cast<double>(b - a));
+}
+
+const std::string drop = "duration = 1.5\n[[ball]]\nradius = 0.04\nposition = [0.0, 0.2, 0.0]\n";
+
+}  // namespace
+
+TEST_CASE("the same scene gives the same events and the same sound, whatever frames are looked at") {
+  const Recording a = run(drop);
+  const Recording b = run(drop + "[video]\nfps = 25\n");
+  CHECK(a.event_hash == b.event_hash);
+  CHECK(a.audio_hash == b.audio_hash);
+  CHECK(a.events.size() > 0);
+}
+
+TEST_CASE("a dropped ball is silent until it lands, loud when it lands, and never clips") {
+  const Recording recording = run(drop);
+  REQUIRE(!recording.events.empty());
+  const double landed = recording.events.front().time;
+  // Free fall from 0.2 m to the relief, whose top lies up to some millimetres below the base plane.
+  CHECK(landed == doctest::Approx(std::sqrt(2 * 0.16 / 9.81)).epsilon(0.05));
+  CHECK(rms(recording.audio, 0, landed - 0.005) == 0);
+  CHECK(rms(recording.audio, landed, landed + 0.05) > 1e-4);
+  for (const float sample : recording.audio) CHECK(std::abs(sample) <= 1);
+}
+
+TEST_CASE("nothing that touches, nothing that sounds") {
+  const Recording recording = run("duration = 0.5\n");
+  CHECK(recording.events.empty());
+  CHECK(std::all_of(recording.audio.begin(), recording.audio.end(), [](float s) { return s == 0; }));
+}
+
+TEST_CASE("every representation runs, and the senses get the same texture") {
+  for (const char* representation : {"flat", "normal", "relief"}) {
+    const Recording recording = run("duration = 1.2\n[surface]\nrepresentation = \"" + std::string(representation) +
+                                    "\"\n[pen]\npath = [[0, -0.02, 0.01, 0], [0.3, -0.02, -0.01, 0], [1.2, 0.06, -0.01, 0.02]]\n");
+    CHECK(recording.servo.size() > 1000);
+    CHECK(std::any_of(recording.servo.begin(), recording.servo.end(), [](const auto& s) { return s.touching; }));
+    for (const ContactEvent& event : recording.events) {
+      // What is felt is what the map says at that place.
+      const Vec3 map = recording.surface->world_normal(event.uv);
+      if (event.phase != ContactPhase::end && recording.representation != Representation::flat) CHECK((event.n_s - map).norm() < 1e-9);
+    }
+    CHECK(rms(recording.audio, 0.3, 1.2) > 0);
+  }
+}

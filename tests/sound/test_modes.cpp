@@ -1,0 +1,162 @@
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <thread>
+
+#include "intaglio/core/random.h"
+#include "intaglio/sound/fem/factorisation.h"
+#include "intaglio/sound/fem/modes.h"
+#include "intaglio/sound/fem/shapes.h"
+#include "tests/sound/models.h"
+
+using namespace intaglio;
+using namespace intaglio::sound;
+using test::tau;
+
+namespace {
+
+void check_frequencies(const Modes& modes, const std::vector<double>& hertz, double tolerance) {
+  REQUIRE(modes.angular_frequency.size() >= Eigen::Index(hertz.size()));
+  for (std::size_t i = 0; i < hertz.size(); ++i) {
+    CAPTURE(i);
+    CHECK(modes.angular_frequency[Eigen::Index(i)] / tau == doctest::Approx(hertz[i]).epsilon(tolerance));
+  }
+}
+
+Eigen::MatrixXd random_columns(Eigen::Index rows, Eigen::Index columns) {
+  Random random(5);
+  return Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return random.uniform(-1, 1); });
+}
+
+}  // namespace
+
+TEST_CASE("a steel bar rings as reference/modal-frequencies.md says, within 0.3 %") {
+  const auto modes = free_modes(assemble(box({1, 0.1, 0.05}, 30, 4, 2), test::steel()), {8, 20, 3000});
+  REQUIRE(modes);
+  check_frequencies(*modes, {257.19, 501.40, 698.11, 1160.15, 1305.99, 1339.39, 2155.01, 2323.97}, 0.003);
+}
+
+TEST_CASE("a steel cube: degenerate groups complete, within 0.6 %") {
+  const auto modes = free_modes(assemble(box({1, 1, 1}, 5, 5, 5), test::steel()), {22, 20, 2760});
+  REQUIRE(modes);
+  std::vector<double> hertz(2, 1422.93);
+  hertz.insert(hertz.end(), 3, 1916.11);
+  hertz.insert(hertz.end(), 3, 1948.64);
+  hertz.insert(hertz.end(), 3, 2213.49);
+  check_frequencies(*modes, hertz, 0.006);
+}
+
+TEST_CASE("a ball has Lamb's frequencies and multiplicities, whatever its size and stuff") {
+  struct Case {
+    double poisson;
+    std::vector<double> eta;
+  };
+  Case third{0.30, std::vector<double>(5, 2.50113)};
+  third.eta.insert(third.eta.end(), 5, 2.64622);
+  third.eta.insert(third.eta.end(), 3, 3.52999);
+  third.eta.insert(third.eta.end(), 7, 3.86470);
+  third.eta.insert(third.eta.end(), 7, 3.93740);
+  Case quarter{0.25, {}};
+  quarter.eta.assign(5, 2.50113);  // torsional modes do not depend on Poisson's ratio
+  quarter.eta.insert(quarter.eta.end(), 5, 2.63987);
+  quarter.eta.insert(quarter.eta.end(), 3, 3.42453);
+  for (const Case& reference : {third, quarter}) {
+    Material material = test::steel();
+    material.poisson_ratio = reference.poisson;
+    const double radius = 0.3;
+    const double unit = std::sqrt(material.shear_modulus() / material.density) / (tau * radius);
+    const auto modes = free_modes(assemble(ball(radius, 2), material), {27, 20, 4.2 * unit});
+    REQUIRE(modes);
+    std::vector<double> hertz;
+    for (const double eta : reference.eta) hertz.push_back(eta * unit);
+    check_frequencies(*modes, hertz, 0.004);
+  }
+}
+
+TEST_CASE("modes are mass-normalised, ascending, true to their equation, and the same every time") {
+  const ElasticSystem system = assemble(box({0.3, 0.01, 0.3}, 6, 1, 6), *find_material("ceramic"));
+  const auto modes = free_modes(system, {30, 20, 20'000});
+  REQUIRE(modes);
+  const Eigen::MatrixXd gram = modes->shape.transpose() * (system.mass * modes->shape);
+  CHECK((gram - Eigen::MatrixXd::Identity(gram.rows(), gram.cols())).cwiseAbs().maxCoeff() < 1e-9);
+  CHECK(modes->residual < 1e-6);
+  for (Eigen::Index i = 1; i < modes->angular_frequency.size(); ++i) {
+    CHECK(modes->angular_frequency[i] >= modes->angular_frequency[i - 1] * (1 - 1e-12));
+  }
+  const auto again = free_modes(system, {30, 20, 20'000});
+  CHECK(again->angular_frequency == modes->angular_frequency);
+  CHECK(again->shape == modes->shape);
+}
+
+TEST_CASE("no mode is missed: Sylvester's law of inertia counts the same") {
+  for (const TetMesh& mesh : {box({1, 1, 1}, 3, 3, 3), ball(0.6, 1), cylinder(0.05, 1, 2, 8)}) {
+    const ElasticSystem system = assemble(mesh, test::steel());
+    const auto modes = free_modes(system, {1000, 20, 4000});
+    REQUIRE(modes);
+    const double sigma = std::pow(tau * 4000, 2);
+    const auto shifted = Factorisation::of(system.stiffness - sigma * system.mass, Definiteness::indefinite);
+    REQUIRE(shifted);
+    CHECK(shifted->negative_eigenvalues() == modes->angular_frequency.size() + 6);
+  }
+}
+
+TEST_CASE("count and range are kept") {
+  const ElasticSystem system = assemble(box({1, 0.1, 0.05}, 12, 2, 1), test::steel());
+  const auto few = free_modes(system, {3, 300, 20'000});
+  REQUIRE(few);
+  CHECK(few->angular_frequency.size() == 3);
+  CHECK(few->angular_frequency[0] > tau * 300);
+  const auto none = free_modes(assemble(ball(0.001, 0), test::steel()), {10, 20, 20'000});
+  REQUIRE(none);
+  CHECK(none->angular_frequency.size() == 0);
+}
+
+TEST_CASE("a body in two pieces is refused, with the number of its rigid modes") {
+  TetMesh mesh = box({1, 1, 1}, 1, 1, 1);
+  const int n = int(mesh.nodes.size());
+  const std::size_t tets = mesh.tets.size();
+  for (int i = 0; i < n; ++i) mesh.nodes.emplace_back(mesh.nodes[std::size_t(i)] + Vec3(3, 0, 0));
+  for (std::size_t t = 0; t < tets; ++t) {
+    Tet10 copy = mesh.tets[t];
+    for (int& node : copy) node += n;
+    mesh.tets.push_back(copy);
+  }
+  const auto modes = free_modes(assemble(mesh, test::steel()), {10, 20, 20'000});
+  REQUIRE_FALSE(modes);
+  CHECK(modes.error().message().find("12 rigid modes") != std::string::npos);
+}
+
+TEST_CASE("a factorisation solves; several may live at once and work from several threads") {
+  const ElasticSystem system = assemble(box({1, 1, 1}, 3, 2, 2), test::steel());
+  const SparseMatrix a = system.stiffness + 1e8 * system.mass;
+  const SparseMatrix b = system.stiffness + 1e9 * system.mass;
+  const auto check = [](const SparseMatrix& matrix, const Factorisation& factors) {
+    const Eigen::MatrixXd x = random_columns(matrix.cols(), 5);
+    Eigen::MatrixXd y = matrix * x;
+    factors.solve(y);
+    return (y - x).norm() < 1e-6 * x.norm();
+  };
+  const auto factors_a = Factorisation::of(a, Definiteness::positive);
+  auto factors_b = Factorisation::of(b, Definiteness::indefinite);
+  REQUIRE(factors_a);
+  REQUIRE(factors_b);
+  CHECK(check(a, *factors_a));
+  const Factorisation moved = std::move(*factors_b);
+  CHECK(check(b, moved));
+  std::array<bool, 3> is_right{};
+  std::vector<std::thread> threads;
+  for (bool& right : is_right) {
+    threads.emplace_back([&] {
+      const auto own = Factorisation::of(a, Definiteness::positive);
+      right = own && check(a, *own);
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const bool right : is_right) CHECK(right);
+}
+
+TEST_CASE("a matrix that is not positive definite is an error, not a wrong answer") {
+  const ElasticSystem system = assemble(box({1, 1, 1}, 2, 2, 2), test::steel());
+  const SparseMatrix zero = 0.0 * system.stiffness;
+  CHECK_FALSE(Factorisation::of(zero, Definiteness::positive));
+}

@@ -1,0 +1,151 @@
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "intaglio/core/file.h"
+#include "intaglio/surface/image_file.h"
+#include "intaglio/surface/import.h"
+#include "tests/surface/brick_surface.h"
+
+using namespace intaglio;
+using namespace intaglio::surface;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Folder {
+  fs::path path = fs::temp_directory_path() / ("intaglio_test_import_" + std::to_string(::getpid()));
+  Folder() { fs::create_directories(path); }
+  ~Folder() { fs::remove_all(path); }
+};
+
+Image16 channels_of(const Image16& from, int first, int count) {
+  Image16 out(from.width, from.height, count);
+  for (int y = 0; y < from.height; ++y) {
+    for (int x = 0; x < from.width; ++x) {
+      for (int c = 0; c < count; ++c) out.at(x, y, c) = from.at(x, y, first + c);
+    }
+  }
+  return out;
+}
+
+BrickRecipe small_brick() {
+  BrickRecipe recipe;
+  recipe.size = 64;
+  return recipe;
+}
+
+// Root-mean-square difference of two depth maps.
+double rms(const std::vector<float>& a, const std::vector<float>& b) {
+  REQUIRE(a.size() == b.size());
+  double sum = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) sum += (a[k] - b[k]) * (a[k] - b[k]);
+  return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+}  // namespace
+
+TEST_CASE("a PNG round trip keeps every 16-bit sample") {
+  const TextureImages brick = make_brick(small_brick());
+  const auto decoded = decode_image(encode_png(brick.relief), "x");
+  REQUIRE(decoded);
+  CHECK(decoded->bit_depth == 16);
+  CHECK(decoded->pixels.data == brick.relief.data);
+}
+
+TEST_CASE("an 8-bit sample v is read as 257 v") {
+  Image8 image(16, 16, 1);
+  for (std::size_t k = 0; k < 256; ++k) image.data[k] = static_cast<std::uint8_t>(k);
+  const auto decoded = decode_image(encode_png(image), "x");
+  REQUIRE(decoded);
+  REQUIRE(decoded->pixels.channels == 1);
+  for (std::size_t k = 0; k < 256; ++k) CHECK(decoded->pixels.data[k] == 257 * k);
+}
+
+TEST_CASE("one RGBA file, and the same split into a folder of files, make the same texels") {
+  const Folder folder;
+  const TextureImages brick = make_brick(small_brick());
+  REQUIRE(write_file(folder.path / "one" / "wall_nm.png", encode_png(brick.relief)));
+  REQUIRE(write_file(folder.path / "many" / "wall_NormalGL.png", encode_png(channels_of(brick.relief, 0, 3))));
+  REQUIRE(write_file(folder.path / "many" / "wall_Displacement.png", encode_png(channels_of(brick.relief, 3, 1))));
+  REQUIRE(write_file(folder.path / "many" / "wall_Color.png", encode_png(brick.colour)));
+  ImportOptions options;
+  options.polarity = Polarity::depth;
+  const auto one = import_texture(folder.path / "one" / "wall_nm.png", options);
+  const auto many = import_texture(folder.path / "many", options);
+  REQUIRE(one);
+  REQUIRE(many);
+  CHECK(one->texels.depth == many->texels.depth);
+  for (std::size_t k = 0; k < one->texels.normal.size(); ++k) CHECK(one->texels.normal[k] == many->texels.normal[k]);
+  CHECK(many->texels.colour.width == 64);
+}
+
+TEST_CASE("flipping the green channel or inverting the height is undone by the option") {
+  const Folder folder;
+  const TextureImages brick = make_brick(small_brick());
+  TextureImages flipped = brick;
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 0; x < 64; ++x) {
+      flipped.relief.at(x, y, 1) = static_cast<std::uint16_t>(65535 - flipped.relief.at(x, y, 1));
+      flipped.relief.at(x, y, 3) = static_cast<std::uint16_t>(65535 - flipped.relief.at(x, y, 3));
+    }
+  }
+  REQUIRE(write_file(folder.path / "f.png", encode_png(flipped.relief)));
+  ImportOptions options;
+  options.green = Green::minus_y;
+  options.polarity = Polarity::height;
+  const auto imported = import_texture(folder.path / "f.png", options);
+  REQUIRE(imported);
+  const Texels truth = to_texels(brick);
+  CHECK(rms(imported->texels.depth, truth.depth) < 1e-6);
+  for (std::size_t k = 0; k < truth.normal.size(); ++k) CHECK((imported->texels.normal[k] - truth.normal[k]).norm() < 1e-6);
+}
+
+TEST_CASE("a height map alone makes the normals of its slopes") {
+  const Folder folder;
+  const TextureImages brick = make_brick(small_brick());
+  REQUIRE(write_file(folder.path / "wall_depth.png", encode_png(channels_of(brick.relief, 3, 1))));
+  ImportOptions options;
+  options.polarity = Polarity::depth;
+  const auto imported = import_texture(folder.path / "wall_depth.png", options);
+  REQUIRE(imported);
+  const Texels truth = to_texels(brick);
+  double worst = 0;
+  for (std::size_t k = 0; k < truth.normal.size(); ++k) worst = std::max(worst, (imported->texels.normal[k] - truth.normal[k]).norm());
+  CHECK(worst < 1e-3);
+}
+
+TEST_CASE("broken images are errors that name the file") {
+  const Folder folder;
+  const std::vector<std::uint8_t> png = encode_png(make_brick(small_brick()).relief);
+  for (const std::size_t keep : {std::size_t{0}, std::size_t{3}, std::size_t{20}, png.size() / 2, png.size() - 20}) {
+    const auto decoded = decode_image(std::span(png).first(keep), "broken.png");
+    REQUIRE_FALSE(decoded);
+    CHECK(decoded.error().message().find("broken.png") == 0);
+    CHECK(decoded.error().message().find('\n') == std::string::npos);
+  }
+  CHECK_FALSE(import_texture(folder.path / "absent.png", {}));
+  CHECK_FALSE(import_texture(folder.path, {}));  // an empty folder
+}
+
+TEST_CASE("an image larger than the limits is refused before it is decoded") {
+  std::vector<std::uint8_t> png = encode_png(Image8(8, 8, 1));
+  png[16] = 0x01;  // width 0x01000008
+  CHECK_FALSE(decode_image(png, "huge.png"));
+}
+
+TEST_CASE("real textures import") {
+  const fs::path shared = fs::path(INTAGLIO_SHARED_DIR) / "textures";
+  if (!fs::exists(shared)) {
+    MESSAGE("skipped: no real textures beside the project");
+    return;
+  }
+  for (const char* name : {"brick_medieval_red", "wood_raw_plank", "wood_woodfloor007", "trak4_brick2"}) {
+    const auto imported = import_texture(shared / name, {});
+    REQUIRE_MESSAGE(imported, name);
+    CHECK_MESSAGE(imported->texels.depth.size() == imported->texels.normal.size(), name);
+    CHECK_MESSAGE(imported->texels.colour.width > 1, name);
+  }
+}
