@@ -27,7 +27,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*"(intaglio/([a-z]+)/[^"]+)"')
 # A third-party library may be included by these folders only.
 LIBRARIES = {
     "btBullet": {"dynamics"}, "spng.h": {"core", "surface"}, "turbojpeg.h": {"surface"}, "epoxy/": {"render"},
-    "dmumps_c.h": {"sound"}, "metis.h": {"sound"}, "sndfile": {"sound"}, "toml++": {"session"},
+    "dmumps_c.h": {"sound"}, "metis.h": {"sound"}, "sndfile": {"sound"}, "toml++": {"core"},
 }
 THIRD_PARTY = re.compile(r'^\s*#\s*include\s*<([^>]+)>')
 

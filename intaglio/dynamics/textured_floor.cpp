@@ -61,24 +61,30 @@ class SphereFloorAlgorithm : public btCollisionAlgorithm {
     const double radius = sphere->getRadius();
     const btVector3 centre = ball->getWorldTransform().getOrigin();
     // Contacts are wanted before they are passed: as far ahead as the body moves in this step.
-    const double speed = btRigidBody::upcast(ball)->getLinearVelocity().length();
-    const double margin = std::max(1e-3, 2 * speed * floor->step());
+    const Vec3 velocity = from_bullet(btRigidBody::upcast(ball)->getLinearVelocity());
+    const double margin = std::max(1e-3, 2 * velocity.norm() * floor->step());
     const contact::ContactSet& contacts = floor->query(ball->getUserIndex(), from_bullet(centre), radius, std::min(margin, 0.5 * radius));
     // Rebuilt each step: Bullet's cached points would keep stale normals.
     manifold_->clearManifold();
-    int index = 0;
-    for (const contact::ContactPoint& contact : contacts) {
+    for (std::size_t k = 0; k < contacts.count; ++k) {
+      const contact::ContactPoint& contact = contacts.points[k];
+      // A contact that bounces must do so at full speed, not be braked softly ahead of the touch as Bullet does with positive
+      // distances: it happens in whichever step ends nearest to the touch.
+      const double approach = -velocity.dot(contact.normal);
+      const bool bounces = approach > floor->bounce_speed();
+      if (bounces && contact.distance > 0.5 * approach * floor->step()) continue;
+      const double distance = bounces ? std::min(contact.distance, 0.0) : contact.distance;
       const btVector3 on_floor = to_bullet(contact.point);
       const btVector3 normal = to_bullet(contact.normal);
-      const btVector3 on_ball = on_floor + normal * static_cast<btScalar>(contact.distance);
-      btManifoldPoint point(ball->getWorldTransform().invXform(on_ball), ground->getWorldTransform().invXform(on_floor), normal, static_cast<btScalar>(contact.distance));
+      const btVector3 on_ball = on_floor + normal * static_cast<btScalar>(distance);
+      btManifoldPoint point(ball->getWorldTransform().invXform(on_ball), ground->getWorldTransform().invXform(on_floor), normal, static_cast<btScalar>(distance));
       point.m_positionWorldOnA = on_ball;
       point.m_positionWorldOnB = on_floor;
       point.m_combinedFriction = ball->getFriction() * ground->getFriction();
       point.m_combinedRestitution = ball->getRestitution() * ground->getRestitution();
       point.m_combinedRollingFriction = (ball->getRollingFriction() + ground->getRollingFriction()) * static_cast<btScalar>(radius);
       point.m_combinedSpinningFriction = point.m_combinedRollingFriction;
-      point.m_index0 = index++;
+      point.m_index0 = static_cast<int>(k);
       manifold_->addManifoldPoint(point);
     }
   }

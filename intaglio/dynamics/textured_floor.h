@@ -5,6 +5,7 @@
 
 #include <btBulletDynamicsCommon.h>
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -18,6 +19,10 @@ inline btVector3 to_bullet(const Vec3& v) {
 }
 inline Vec3 from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 
+// Speed of approach, m/s, below which a contact does not bounce: what gravity adds in two steps, or resting contacts would
+// chatter.
+inline double bounce_speed(const WorldOptions& options) { return std::max(0.02, 2 * options.gravity.norm() * options.step); }
+
 class TexturedFloor : public btConcaveShape {
  public:
   TexturedFloor(std::shared_ptr<const surface::Surface> surface, const WorldOptions& options);
@@ -27,6 +32,7 @@ class TexturedFloor : public btConcaveShape {
   const contact::ContactSet& last(int body) const { return last_[static_cast<std::size_t>(body)]; }
   const surface::Surface& surface() const { return *surface_; }
   double step() const { return options_.step; }
+  double bounce_speed() const { return dynamics::bounce_speed(options_); }
 
   void getAabb(const btTransform& t, btVector3& low, btVector3& high) const override;
   void setLocalScaling(const btVector3&) override {}

@@ -71,8 +71,7 @@ World::World(std::shared_ptr<const surface::Surface> floor, const Material& floo
   State& s = *state_;
   register_algorithms(s.dispatcher);
   s.world.setGravity(to_bullet(options.gravity));
-  // Below this speed an impact does not bounce: two steps of gravity, or resting contacts would chatter.
-  s.world.getSolverInfo().m_restitutionVelocityThreshold = static_cast<btScalar>(std::max(0.02, 2 * options.gravity.norm() * options.step));
+  s.world.getSolverInfo().m_restitutionVelocityThreshold = static_cast<btScalar>(bounce_speed(options));
   s.world.getSolverInfo().m_numIterations = 30;
   btRigidBody::btRigidBodyConstructionInfo info(0, nullptr, &s.floor_shape);
   info.m_friction = static_cast<btScalar>(std::sqrt(floor_material.friction));

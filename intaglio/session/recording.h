@@ -51,6 +51,7 @@ struct Recording {
   int physics_rate = 480, servo_rate = 1000, sample_rate = 44100, fps = 30;  // Hz
   Representation representation = Representation::relief;
   std::shared_ptr<const surface::Surface> surface;
+  std::vector<std::string> notes;  // what import found and assumed of the texture, a line each
 
   std::vector<BallTrack> balls;
   std::vector<haptics::ServoSample> servo;  // one a tick, the first at time 0; empty without a pen

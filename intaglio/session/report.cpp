@@ -103,13 +103,11 @@ std::string tracks(const Recording& recording) {
                  felt_html(recording)) +
          section("moved", "Moved",
                  "The lowest point of each ball over the base plane, and its speed. Vertical lines mark the "
-                 "strongest impacts, here and in all tracks.",
+                 "strongest impacts.",
                  moved_html(recording)) +
          section("heard", "Heard",
-                 "Contacts above, by impulse; each should start a streak below it. The marks at the right "
-                 "are the modes that were baked for each body: streaks should lie "
-                 "level with them. A window is 2048 samples, so that a streak begins up to half of that "
-                 "before its cause.",
+                 "Each contact starts a streak below it. Streaks lie level with the modes baked for each "
+                 "body, marked at the right. Spread by the window, they begin some 20&nbsp;ms early.",
                  heard_html(recording)) +
          "</div>\n";
 }

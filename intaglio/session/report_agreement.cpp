@@ -177,7 +177,8 @@ std::vector<double> loud_onsets(std::span<const float> audio, double sample_rate
   if (!(sample_rate >= 1000)) return onsets;
   const auto slot = static_cast<std::size_t>(sample_rate / 1000);
   std::vector<double> energy(audio.size() / slot, 0.0);
-  for (std::size_t k = 0; k < energy.size() * slot; ++k) energy[k / slot] += square(audio[k]);
+  for (std::size_t k = 0; k < energy.size() * slot; ++k)
+    energy[k / slot] += square(k > 0 ? audio[k] - audio[k - 1] : audio[k]);
   const auto loudest = std::max_element(energy.begin(), energy.end());
   if (loudest == energy.end() || !(*loudest > 0)) return onsets;
   const double loud = 1e-4 * *loudest;

@@ -45,7 +45,8 @@ struct Agreement {
 Agreement agreement_of(const Recording& recording);
 
 // Times (s) at which the audio gets loud: the energy of a millisecond is 6 dB above that of every one of the
-// 30 before it, and within 40 dB of the loudest; at most one in 30 ms.
+// 30 before it, and within 40 dB of the loudest; at most one in 30 ms. Of the audio's differences, that is
+// with treble raised: bass rings on from one impact to the next, treble starts anew.
 std::vector<double> loud_onsets(std::span<const float> audio, double sample_rate);
 
 // A list of sentences, each with its value.

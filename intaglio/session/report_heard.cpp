@@ -104,7 +104,7 @@ std::string heard_html(const Recording& recording) {
   const Range range = range_of(wave, {-1, 1});
   const double peak = std::max({std::abs(range.low), std::abs(range.high), 1e-3});
   const Axis level({-peak, peak}, {wave_bottom, wave_top});
-  plot.y_axis(time, level, "wave", 2);
+  plot.y_axis(time, level, "wave", 4);
   plot.envelope(time, level, {0, 1.0 / recording.sample_rate, wave}, "wave");
   draw_impacts(plot, recording, balls_y, wave_bottom);
   draw_colour_bar(plot, view);

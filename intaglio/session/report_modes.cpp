@@ -70,7 +70,7 @@ std::vector<double> ModalSpectrum::contrasts_db() const {
   }
   std::vector<double> contrasts;
   for (const Prominence& p : found) {
-    if (p.inside > 1e-6 * strongest) contrasts.push_back(10 * std::log10(p.inside / p.beside));
+    if (p.inside > 1e-4 * strongest) contrasts.push_back(10 * std::log10(p.inside / p.beside));
   }
   std::sort(contrasts.begin(), contrasts.end());
   return contrasts;

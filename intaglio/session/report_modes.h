@@ -22,7 +22,7 @@ class ModalSpectrum {
   std::pair<double, double> share() const;
 
   // dB by which the power density near a mode stands above that beside it, up to three widths away, where no
-  // mode is. For modes that stand far enough apart to tell and lie within 60 dB of the strongest. Ascending.
+  // mode is. For modes that stand far enough apart to tell and lie within 40 dB of the strongest. Ascending.
   std::vector<double> contrasts_db() const;
 
  private:

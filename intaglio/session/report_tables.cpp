@@ -33,7 +33,7 @@ std::string row(std::string_view name, std::string_view value) {
 
 // "10–13", or one number when both are the same.
 std::string range_text(double low, double high) {
-  const std::string a = number(low, 3), b = number(high, 3);
+  const std::string a = number(low), b = number(high);
   return a == b ? a : a + " to " + b;
 }
 
@@ -81,14 +81,14 @@ std::string run_table(const Recording& recording) {
 std::string voice_table(const Recording& recording) {
   std::string html = opened("Voices: what was baked for each body.",
                             heading("Body") + heading("Material") + figure_heading("Modes") +
-                                heading("Lowest frequencies, Hz") + heading("T60, s"));
+                                heading("Lowest frequencies, Hz") + heading("T60, ms"));
   for (const Voice& voice : recording.voices) {
     const auto [shortest, longest] = std::minmax_element(voice.t60.begin(), voice.t60.end());
     html += fmt::format("<tr><th scope=\"row\"><span class=\"dot {}\"></span>{}</th>",
                         body_class(voice.body, recording.pen), escaped(voice.name)) +
             cell(escaped(voice.material)) + figure(std::to_string(voice.frequencies.size())) +
             cell(lowest_text(voice.frequencies)) +
-            cell(voice.t60.empty() ? "–" : range_text(*shortest, *longest)) + "</tr>\n";
+            cell(voice.t60.empty() ? "–" : range_text(1e3 * *shortest, 1e3 * *longest)) + "</tr>\n";
   }
   if (recording.voices.empty()) html += "<tr><td colspan=\"5\">–</td></tr>\n";
   return html + "</tbody></table>\n";

@@ -65,7 +65,7 @@ std::string number(double value) {
   if (!std::isfinite(value)) return std::string(unknown);
   const double size = std::abs(value);
   if (size == 0) return "0";
-  if (size < 1e-3 || size >= 1e5) return fmt::format("{:.2e}", value);
+  if (size < 1e-3 || size >= 1e7) return fmt::format("{:.2e}", value);
   return number(value, std::max(0, 2 - static_cast<int>(std::floor(std::log10(size)))));
 }
 

@@ -17,7 +17,7 @@ std::string escaped(std::string_view text);
 
 // A value for people: fixed decimals, a true minus sign, "–" when it is not finite.
 std::string number(double value, int decimals);
-// Three significant digits and no exponent between 0.001 and 100000.
+// Three significant digits and no exponent between 0.001 and ten million.
 std::string number(double value);
 std::string bytes_text(std::size_t bytes);  // "12.3 MB"
 std::string hex_text(std::uint64_t value);  // 16 digits

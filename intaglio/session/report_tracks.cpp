@@ -74,12 +74,13 @@ BallSeries ball_series(const Recording& recording, const BallTrack& ball) {
 }
 
 // A ball that leaves the surface falls for ever: what is deep below is not worth the axis.
-Range height_range(const std::vector<BallSeries>& balls) {
+Range height_range(const Recording& recording, const std::vector<BallSeries>& balls) {
   std::vector<double> all;
   for (const BallSeries& ball : balls) all.insert(all.end(), ball.height.begin(), ball.height.end());
   all.push_back(0);
   Range range = range_of(all);
-  range.low = std::max(range.low, -0.5 * std::max(range.high, 0.02));
+  const double relief = recording.surface ? recording.surface->max_depth() : 0;
+  range.low = std::max(range.low, -std::max({0.5 * range.high, 1.5 * relief, 0.01}));
   return range.padded(0.06);
 }
 
@@ -136,7 +137,7 @@ std::string moved_html(const Recording& recording) {
   if (balls.empty()) return "<p>No ball took part.</p>\n";
   const double step = step_of(recording.physics_rate);
   const Axis time = time_axis(recording);
-  const Range heights = height_range(balls);
+  const Range heights = height_range(recording, balls);
   const bool in_mm = heights.size() < 0.1;
   const Axis height({heights.low * (in_mm ? 1e3 : 1), heights.high * (in_mm ? 1e3 : 1)}, {140, 10});
   const Axis speed(speed_range(balls), {244, 160});

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "intaglio/core/file.h"
-#include "intaglio/session/toml_reader.h"
+#include "intaglio/core/toml_reader.h"
 
 namespace intaglio::session {
 

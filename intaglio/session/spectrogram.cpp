@@ -58,8 +58,9 @@ float row_power(std::span<const float> frame, const Row& row) {
 // The frames that one pixel column shows: at least the nearest; none past the last.
 std::pair<int, int> frames_of(const Spectrogram& s, const SpectrogramView& view, int x, int width) {
   const double frames_per_column = view.duration / width * s.sample_rate / s.hop();
-  const int first = static_cast<int>(std::lround(x * frames_per_column));
-  const int last = std::max(first + 1, static_cast<int>(std::lround((x + 1) * frames_per_column)));
+  const int first = Spectrogram::frames_before + static_cast<int>(std::lround(x * frames_per_column));
+  const int next = Spectrogram::frames_before + static_cast<int>(std::lround((x + 1) * frames_per_column));
+  const int last = std::max(first + 1, next);
   return {first, std::min(last, s.frames)};
 }
 
@@ -73,7 +74,7 @@ Spectrogram make_spectrogram(std::span<const float> audio, double sample_rate, i
   if (audio.empty() || !(sample_rate > 0)) return s;
   const auto size = static_cast<std::ptrdiff_t>(audio.size());
   // Four windows cover each sample, also the first and the last: that is what keeps the energy.
-  s.frames = static_cast<int>((size + window / 2) / s.hop()) + 1;
+  s.frames = Spectrogram::frames_before + static_cast<int>((size - 1) / s.hop()) + 3;
   s.power.reserve(static_cast<std::size_t>(s.frames) * static_cast<std::size_t>(s.bins));
   const std::vector<float> shape = hann(window);
   std::vector<float> samples(shape.size());
@@ -81,7 +82,8 @@ Spectrogram make_spectrogram(std::span<const float> audio, double sample_rate, i
   Eigen::FFT<float> fft;
   fft.SetFlag(Eigen::FFT<float>::HalfSpectrum);
   for (int f = 0; f < s.frames; ++f) {
-    const std::ptrdiff_t start = static_cast<std::ptrdiff_t>(f) * s.hop() - window / 2;
+    const std::ptrdiff_t start =
+        static_cast<std::ptrdiff_t>(f - Spectrogram::frames_before) * s.hop() - window / 2;
     for (int i = 0; i < window; ++i) {
       const std::ptrdiff_t at = start + i;
       const float value = at >= 0 && at < size ? audio[static_cast<std::size_t>(at)] : 0.0f;

@@ -15,6 +15,8 @@
 namespace intaglio::session {
 
 struct Spectrogram {
+  static constexpr int frames_before = 1;  // frames before time 0, for four windows to cover the first sample
+
   int window = 0;          // samples, a power of two
   double sample_rate = 0;  // Hz
   int frames = 0;
@@ -23,7 +25,8 @@ struct Spectrogram {
 
   int hop() const { return window / 4; }  // samples
   double bin_hz() const { return window > 0 ? sample_rate / window : 0; }
-  double time(int frame) const { return frame * hop() / sample_rate; }  // s, of the window's middle
+  // Of a window's middle, s.
+  double time(int frame) const { return (frame - frames_before) * hop() / sample_rate; }
   std::span<const float> frame(int index) const {
     return std::span(power).subspan(std::size_t(index) * std::size_t(bins), std::size_t(bins));
   }

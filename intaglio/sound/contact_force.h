@@ -4,9 +4,9 @@
 // A body at rest has an impulse in every step, and played as they are these would drone at the rate of the
 // engine. So the impulse J_k of a step is split into what lasts, S_k, the part that the step before had as
 // well, and what is new, J_k - S_k; only the new part strikes. When what lasted falls, because the body lifts
-// off, the loss strikes the other way. A bounce is thus one blow and not a pair of opposite ones, a steady
-// force is silent, and setting a weight down and lifting it off sound alike. Linear in the impulses. Units N
-// s; one object a pair, one thread.
+// off, the loss strikes the other way. A bounce is thus one blow, where the plain difference J_k - J_(k-1)
+// would make it two opposite ones a step apart, a comb filter; a steady force is silent; and setting a weight
+// down and lifting it off sound alike. Linear in the impulses (N s). One object a pair, one thread.
 #pragma once
 
 #include "intaglio/core/vec.h"

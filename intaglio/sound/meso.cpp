@@ -29,7 +29,6 @@ struct AxisWalk {
 
 }  // namespace
 
-// Eq. 1.4, Sterling & Lin 2016, §1.2.5.1
 Vec3 normal_momentum(double mass, const Vec3& v_t, const Vec3& n_g, const Vec3& n_s) {
   return mass * (-v_t.dot(n_s) / std::max(n_g.dot(n_s), least_normal_cosine)) * n_g;
 }

@@ -15,6 +15,7 @@ inline constexpr double least_normal_cosine = 0.1;
 
 // p_n = m (-v_t . n_s / n_g . n_s) n_g, kg m/s: the momentum across the face of a body of `mass` (kg) that
 // moves with v_t (m/s) along a face of unit normal n_g where the texel's unit normal is n_s.
+// Eq. 1.4, Sterling & Lin 2016, §1.2.5.1
 Vec3 normal_momentum(double mass, const Vec3& v_t, const Vec3& n_g, const Vec3& n_s);
 
 struct MesoImpulse {

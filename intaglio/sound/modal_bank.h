@@ -1,12 +1,13 @@
 // The ringing of one body in real time: a bank of damped resonators in coupled form, one a mode.
 //
-// Each mode is a complex number z that turns and shrinks every sample, z <- e^((-d + i omega_d) dt) z + gain
-// * impulse, where `impulse` (N s) is what the drive gives within the sample. The exact modal velocity is Re
-// z - (d / omega_d) Im z, and the output the sum of these times the model's radiation weights: Pa at 1 m. In
-// 32-bit floats this form stays in tune to a thousandth of a cent where the direct form is off by cents at 20
-// Hz. One thread; process() neither allocates, locks nor throws. Cost: about 0.5 ns a mode and sample with
-// SSE2; modes that have decayed below hearing are put to sleep in groups and cost nothing. Source: Mathews &
-// Smith, "Methods for synthesizing very high Q parametrically well behaved two pole filters", 2003.
+// Each mode is a complex number z that turns and shrinks every sample,
+//   z <- e^((-d + i omega_d) dt) z + gain * impulse,
+// where `impulse` (N s) is what the drive gives within the sample. The exact modal velocity is
+// Re z - (d / omega_d) Im z, and the output the sum of these times the model's radiation weights: Pa at 1 m.
+// In 32-bit floats this form stays in tune where the direct form is off by cents at 20 Hz. One thread;
+// process() neither allocates, locks nor throws. Cost with SSE2: 0.3 ns a mode and sample, 0.5 ns while
+// driven; modes that have decayed below hearing are put to sleep in groups and cost nothing. Source: Mathews
+// & Smith, "Methods for synthesizing very high Q parametrically well behaved two pole filters", 2003.
 #pragma once
 
 #include <array>

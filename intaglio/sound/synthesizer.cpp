@@ -13,8 +13,13 @@ namespace {
 
 constexpr std::size_t reserved_events = 4096;
 
-// Events in order of arrival. Grows only in push(), and sooner forgets what has been taken when that is most
-// of it.
+double start_of(const ContactEvent& event) {
+  return event.time - event.duration;
+}
+
+// Events in the order in which their steps begin: loops of different rates report at the ends of theirs, and
+// a long step that began early must not wait behind a short one. Grows only in push(), and sooner forgets
+// what has been taken when that is most of it.
 class EventQueue {
  public:
   EventQueue() { events_.reserve(reserved_events); }
@@ -28,6 +33,9 @@ class EventQueue {
       first_ = 0;
     }
     events_.push_back(event);
+    for (std::size_t k = events_.size() - 1; k > first_ && start_of(event) < start_of(events_[k - 1]); --k) {
+      std::swap(events_[k], events_[k - 1]);
+    }
   }
 
  private:
@@ -55,7 +63,6 @@ class Synthesizer::Engine {
   // When a touching pair of which no further step has come counts as parted: two samples of grace for
   // rounding.
   Sample parting(const ContactPair& pair) const { return sample_at(pair.last_time()) + 2; }
-  static double start_of(const ContactEvent& event) { return event.time - event.duration; }
 
   ContactPair* find_pair(const ContactEvent& event);
   void take_due_events();

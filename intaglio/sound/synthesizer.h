@@ -1,21 +1,22 @@
 // From contact events to sound: pascals at 1 m, sample by sample.
 //
-// Feed it events (in order of time), then ask for the samples. Both bodies of a pair ring: `body` is struck
-// by the blow, `other` by its opposite. What a contact sounds like has three levels (§1.2.5.1):
-//   macro   the first touch: the step's impulse as one Hertz half-sine in the middle of its step
-//   meso    while contact lasts: either the engine's impulses (§1.3.3), of which only what is new strikes
-//   (contact_force.h),
-//           each at a seeded random place within its step, because 480 steps a second would otherwise buzz at
-//           480 Hz; or Eq. 1.4 at every texel that the contact crosses (meso.h)
-//   micro   while contact lasts: fractal noise by distance travelled, level by normal force (micro.h)
+// Feed it events, then ask for the samples. Both bodies of a pair ring: `body` is struck by the blow, `other`
+// by its opposite. What a contact sounds like has three levels (§1.2.5.1):
+//
+// - macro, the first touch: the impulse of its step as one Hertz half-sine in the middle of the step.
+// - meso, while contact lasts: either the engine's impulses (§1.3.3), of which only what is new strikes (see
+//   contact_force.h), each at a seeded random place within its step, because 480 steps a second would
+//   otherwise buzz at 480 Hz; or Eq. 1.4 at every texel that the contact crosses (meso.h).
+// - micro, while contact lasts: fractal noise by distance travelled, level by normal force (micro.h).
 //
 // An event reports the step that ends at `event.time` and lasts `event.duration`; the points of one pair with
-// equal times are one step. Before render() up to time t, every event whose step begins before t must have
-// been pushed; one that comes late sounds at once and is counted. The output depends on events and seed
-// alone, not on how render() calls are cut. One thread. render() neither allocates, locks nor throws: at most
-// `max_pulses` blows sound at once (then the smallest is dropped and counted), at most 8 points of a step are
-// told apart, at most 256 texel crossings a step. push() allocates when a pair first meets, or when more than
-// 4,096 events wait.
+// equal times are one step, and steps of one pair come in order. Before render() up to time t, every event
+// whose step begins before t must have been pushed; one that comes late sounds at once and is counted. The
+// output depends on events and seed alone, not on how render() calls are cut.
+//
+// One thread. render() neither allocates, locks nor throws: at most `max_pulses` blows sound at once (then
+// the smallest is dropped and counted), at most 8 points of a step are told apart, at most 256 texel
+// crossings a step. push() allocates when a pair first meets, or when more than 4,096 events wait.
 #pragma once
 
 #include <cstdint>
@@ -36,8 +37,8 @@ struct SynthesizerOptions {
   double sample_rate = 44'100;  // Hz
   std::uint64_t seed = 1;
   MesoSource meso = MesoSource::engine_impulses;
-  double micro_level = 0.3;  // noise force per normal force and unit of rms slope; 0 switches micro sound off
-  double dead_band = 1e-3;   // of the lasting impulse; smaller changes are the solver's noise
+  double micro_level = 1;   // noise force per normal force and unit of rms slope; 0 switches it off
+  double dead_band = 1e-3;  // of the lasting impulse; smaller changes are the solver's noise
   int max_pulses = 1024;
 };
 
@@ -46,8 +47,8 @@ struct SoundBody {
   std::shared_ptr<const ModalModel> model;  // absent: the body makes no sound
   double mass = 1;                          // kg
   bool is_fixed = false;                    // its mass counts as infinite
-  double radius_of_curvature =
-      std::numeric_limits<double>::infinity();      // m, where it touches; flat by default
+  // m, where it touches; flat by default.
+  double radius_of_curvature = std::numeric_limits<double>::infinity();
   Pose rest_pose;                                   // until an event tells where it is
   std::shared_ptr<const surface::Surface> surface;  // of a textured body, for MesoSource::normal_map
 };

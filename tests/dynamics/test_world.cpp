@@ -140,3 +140,18 @@ TEST_CASE("two runs are the same to the bit; the paper's method and ours both wo
     CHECK(run() == run());
   }
 }
+
+TEST_CASE("a dropped ball bounces back with the pair's restitution, and flies back no higher than that") {
+  World world(tests::made_surface(64, [](Vec2) { return 0.0; }, [](Vec2) { return Vec3::UnitZ(); }), *find_material("brick"), {});
+  const SphereBody ball = ball_at({0, 0.34, 0});  // falls 0.3 m
+  world.add(ball);
+  double highest = 0;
+  bool landed = false;
+  for (int k = 0; k < 300; ++k) {
+    world.step();
+    landed = landed || !world.events().empty();
+    if (landed) highest = std::max(highest, world.pose(1).position.y() - ball.radius);
+  }
+  const double restitution = ball.material.restitution * find_material("brick")->restitution;
+  CHECK(highest == doctest::Approx(restitution * restitution * 0.3).epsilon(0.05));
+}

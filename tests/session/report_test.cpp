@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <regex>
 #include <set>
@@ -27,14 +28,14 @@ std::shared_ptr<const surface::Surface> brick_surface() {
                                                   0.02, surface::Edge::wrap);
 }
 
-// One ball that lands every half second and rings a mode of 500 Hz; a pen that follows the surface.
+// One ball that lands every half second and rings a mode of 3000 Hz; a pen that follows the surface.
 Recording session_of(double seconds) {
   Recording r;
   r.title = "A test";
   r.duration = seconds;
   r.surface = brick_surface();
   r.pen = 2;
-  r.voices = {{0, "floor", "brick", {500, 3000}, {0.1, 0.05}}, {1, "ball 1", "glass", {7000}, {0.05}}};
+  r.voices = {{0, "floor", "brick", {500, 3000}, {0.05, 0.1}}, {1, "ball 1", "glass", {7000}, {0.05}}};
   r.audio.assign(static_cast<std::size_t>(seconds * r.sample_rate), 0.0f);
   r.balls.push_back({1, 0.05, {}});
   for (int k = 1; k <= seconds * r.physics_rate; ++k) {
@@ -49,7 +50,7 @@ Recording session_of(double seconds) {
     const auto start = static_cast<std::size_t>(time * r.sample_rate);
     for (std::size_t k = 0; start + k < r.audio.size() && k < 8000; ++k) {
       const double t = static_cast<double>(k) / r.sample_rate;
-      r.audio[start + k] += static_cast<float>(0.5 * std::exp(-t * 69) * std::sin(2 * M_PI * 500 * t));
+      r.audio[start + k] += static_cast<float>(0.5 * std::exp(-t * 69) * std::sin(2 * M_PI * 3000 * t));
     }
   }
   for (int k = 0; k < seconds * r.servo_rate; ++k) {
@@ -105,22 +106,27 @@ std::string without_data(const std::string& html) {
   return out + html.substr(from);
 }
 
-// The first thing that is wrong with the nesting of tags, or nothing.
+// The first thing that is wrong with the nesting of tags, or nothing. (No regular expression: libstdc++'s
+// recurse for each letter.)
 std::string nesting_fault(const std::string& html) {
-  static const std::set<std::string> empty = {"meta", "img", "br"};
-  static const std::regex tag("<(/?)([a-zA-Z][a-zA-Z0-9]*)((?:[^>\"]|\"[^\"]*\")*?)(/?)>");
-  std::string markup = std::regex_replace(
-      html, std::regex("<(style|script)>[^<]*(<(?!/(style|script)>)[^<]*)*</(style|script)>"), "");
+  static const std::set<std::string> empty = {"meta", "img", "!DOCTYPE"};
   std::vector<std::string> open;
-  for (auto m = std::sregex_iterator(markup.begin(), markup.end(), tag); m != std::sregex_iterator(); ++m) {
-    const std::string name = (*m)[2];
-    if (empty.count(name) > 0 || (*m)[4].length() > 0) continue;
-    if ((*m)[1].length() == 0) {
-      open.push_back(name);
-    } else {
-      if (open.empty() || open.back() != name)
-        return "</" + name + "> closes " + (open.empty() ? "nothing" : open.back());
+  std::size_t at = 0;
+  while ((at = html.find('<', at)) != std::string::npos) {
+    const std::size_t end = html.find('>', at);
+    if (end == std::string::npos) return "a tag without end";
+    const std::string tag = html.substr(at + 1, end - at - 1);
+    const std::string name = tag.substr(0, tag.find_first_of(" \n"));
+    at = end + 1;
+    if (std::count(tag.begin(), tag.end(), '"') % 2 != 0) return "an attribute without end in " + name;
+    if (tag.front() == '/') {
+      if (open.empty() || "/" + open.back() != name)
+        return "<" + name + "> closes " + (open.empty() ? "nothing" : open.back());
       open.pop_back();
+    } else if (tag.back() != '/' && empty.count(name) == 0) {
+      open.push_back(name);
+      // What is inside is no markup.
+      if (name == "style" || name == "script") at = html.find("</" + name, at);
     }
   }
   return open.empty() ? "" : open.back() + " stays open";
@@ -196,12 +202,12 @@ TEST_CASE("agreement is near perfect for a session that agrees, and chance for o
   CHECK(good.onsets_at_contact == 1);
   CHECK(std::abs(good.median_lag) <= 0.002);
   CHECK(good.relief_correlation > 0.999);
-  CHECK(good.idle_energy < 1e-6);
+  CHECK(good.idle_energy < 1e-5);
   CHECK(good.modal_energy > 0.9);
   CHECK(good.modal_contrast_db > 10);
 
   for (ContactEvent& event : recording.events) event.time += 0.2;
-  recording.voices[0].frequencies = {730, 3000};
+  recording.voices[0].frequencies = {730, 5000};
   const Agreement bad = agreement_of(recording);
   CHECK(bad.onsets_at_contact == 0);
   CHECK(bad.idle_energy > 0.5);

@@ -31,7 +31,7 @@ Eigen::MatrixXd random_columns(Eigen::Index rows, Eigen::Index columns) {
 }  // namespace
 
 TEST_CASE("a steel bar rings as reference/modal-frequencies.md says, within 0.3 %") {
-  const auto modes = free_modes(assemble(box({1, 0.1, 0.05}, 30, 4, 2), test::steel()), {8, 20, 3000});
+  const auto modes = free_modes(assemble(box({1, 0.1, 0.05}, 24, 6, 4), test::steel()), {8, 20, 3000});
   REQUIRE(modes);
   check_frequencies(*modes, {257.19, 501.40, 698.11, 1160.15, 1305.99, 1339.39, 2155.01, 2323.97}, 0.003);
 }

@@ -134,7 +134,7 @@ double worst_residual(const ElasticSystem& system, const Modes& modes) {
 }  // namespace
 
 Result<Modes> free_modes(const ElasticSystem& system, const ModeOptions& options) {
-  const double highest = eigenvalue_of(options.max_frequency);
+  const double lowest = eigenvalue_of(options.min_frequency), highest = eigenvalue_of(options.max_frequency);
   // A twentieth of the highest frequency: far from the rigid modes' zero, yet near it among the wanted ones.
   const double shift = -highest / 400;
   const double rigid_limit = -1e-6 * shift;
@@ -147,7 +147,9 @@ Result<Modes> free_modes(const ElasticSystem& system, const ModeOptions& options
   const auto eigenvalue = [&](Index i) { return 1 / lanczos.value(i) + shift; };
   const auto is_done = [&] {
     const Index found = lanczos.converged();
-    return found >= wanted || (found > 0 && eigenvalue(found - 1) > highest);
+    Index below = 0;
+    while (below < found && eigenvalue(below) < lowest) ++below;
+    return found - below >= options.count || (found > below && eigenvalue(found - 1) > highest);
   };
   Index next_check = 4 * block_size;
   do {
@@ -169,7 +171,7 @@ Result<Modes> free_modes(const ElasticSystem& system, const ModeOptions& options
                 "every part of the mesh must be connected to the rest by whole faces");
   }
   Index first = rigid, end = rigid;
-  while (first < found && eigenvalue(first) < eigenvalue_of(options.min_frequency)) ++first;
+  while (first < found && eigenvalue(first) < lowest) ++first;
   for (end = first; end < found && end - first < options.count && eigenvalue(end) <= highest;) ++end;
 
   Modes modes;

@@ -1,8 +1,8 @@
-#include "intaglio/session/toml_reader.h"
+#include "intaglio/core/toml_reader.h"
 
 #include <cmath>
 
-namespace intaglio::session {
+namespace intaglio {
 
 namespace {
 
@@ -158,4 +158,4 @@ void TomlReader::finish() {
   }
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio

@@ -16,7 +16,7 @@
 #define TOML_EXCEPTIONS 0
 #include <toml++/toml.h>
 
-namespace intaglio::session {
+namespace intaglio {
 
 // What a number must be.
 struct Range {
@@ -67,4 +67,4 @@ class TomlReader {
   std::set<std::string> known_;
 };
 
-}  // namespace intaglio::session
+}  // namespace intaglio

@@ -1,0 +1,114 @@
+#include <doctest/doctest.h>
+#include <sndfile.h>
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "intaglio/core/file.h"
+#include "intaglio/sound/level.h"
+#include "intaglio/sound/outputs/wav.h"
+
+using namespace intaglio;
+using namespace intaglio::sound;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Folder {
+  fs::path path = fs::temp_directory_path() / "intaglio_test_sound";
+  Folder() { fs::create_directories(path); }
+  ~Folder() { fs::remove_all(path); }
+};
+
+std::vector<float> wave() {
+  std::vector<float> samples(5000);
+  for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = 0.9f * std::sin(0.01f * float(i * (i % 7)));
+  return samples;
+}
+
+std::vector<float> read(const fs::path& path, SF_INFO& info) {
+  SNDFILE* const file = sf_open(path.c_str(), SFM_READ, &info);
+  REQUIRE(file != nullptr);
+  std::vector<float> samples(std::size_t(info.frames * info.channels));
+  CHECK(sf_readf_float(file, samples.data(), info.frames) == info.frames);
+  sf_close(file);
+  return samples;
+}
+
+}  // namespace
+
+TEST_CASE("a WAV file reads back as it was written, to the precision of its format") {
+  const Folder folder;
+  const fs::path path = folder.path / "new folder" / "a.wav";
+  const std::vector<float> samples = wave();
+  for (const auto& [format, precision] :
+       {std::pair{WavFormat::pcm_16, 1.0 / 32768}, std::pair{WavFormat::pcm_24, 1.0 / 8388608},
+        std::pair{WavFormat::float_32, 0.0}}) {
+    REQUIRE(write_wav(path, samples, 48'000, format));
+    SF_INFO info{};
+    const std::vector<float> back = read(path, info);
+    CHECK(info.samplerate == 48'000);
+    CHECK(info.channels == 1);
+    REQUIRE(back.size() == samples.size());
+    float worst = 0;
+    for (std::size_t i = 0; i < back.size(); ++i) worst = std::max(worst, std::abs(back[i] - samples[i]));
+    CHECK(worst <= precision * 1.01);
+  }
+  CHECK(std::distance(fs::directory_iterator(path.parent_path()), fs::directory_iterator{}) == 1);
+}
+
+TEST_CASE("equal sounds are equal files, and PCM clips instead of wrapping") {
+  const Folder folder;
+  REQUIRE(write_wav(folder.path / "a.wav", wave(), 44'100, WavFormat::float_32));
+  REQUIRE(write_wav(folder.path / "b.wav", wave(), 44'100, WavFormat::float_32));
+  CHECK(*read_file(folder.path / "a.wav") == *read_file(folder.path / "b.wav"));
+  const std::vector<float> loud{2, -2, 0};
+  REQUIRE(write_wav(folder.path / "loud.wav", loud, 44'100));
+  SF_INFO info{};
+  const std::vector<float> back = read(folder.path / "loud.wav", info);
+  CHECK(back[0] == doctest::Approx(1));
+  CHECK(back[1] == doctest::Approx(-1));
+}
+
+TEST_CASE("what cannot be written is an error that names the file and leaves nothing behind") {
+  const Folder folder;
+  const std::vector<float> samples = wave();
+  REQUIRE(write_file(folder.path / "file", std::string_view("in the way")));
+  const auto under_a_file = write_wav(folder.path / "file" / "a.wav", samples, 44'100);
+  REQUIRE_FALSE(under_a_file);
+  CHECK(under_a_file.error().where.find("a.wav") != std::string::npos);
+  fs::create_directories(folder.path / "folder.wav");
+  CHECK_FALSE(write_wav(folder.path / "folder.wav", samples, 44'100));
+  CHECK_FALSE(write_wav(folder.path / "rate.wav", samples, 0));
+  CHECK_FALSE(write_wav("/proc/no/such.wav", samples, 44'100));
+  CHECK(std::distance(fs::directory_iterator(folder.path), fs::directory_iterator{}) == 2);
+}
+
+TEST_CASE("the limiter is transparent below its knee, odd, increasing, smooth, and never beyond 1") {
+  float before = soft_limit(-50), slope_jump = 0, last_slope = 0;
+  for (int i = -5000; i <= 5000; ++i) {
+    const float x = float(i) * 0.001f, y = soft_limit(x);
+    if (std::abs(x) <= limiter_knee) CHECK(y == x);
+    CHECK(std::abs(y) <= 1);
+    CHECK(y == -soft_limit(-x));
+    CHECK(y >= before);
+    const float slope = (y - before) * 1000;
+    if (i > -4990) slope_jump = std::max(slope_jump, std::abs(slope - last_slope));
+    last_slope = slope;
+    before = y;
+  }
+  CHECK(slope_jump < 0.02);
+  CHECK(soft_limit(std::numeric_limits<float>::infinity()) == 1);
+  CHECK(soft_limit(std::numeric_limits<float>::quiet_NaN()) == 0);
+}
+
+TEST_CASE("pascals become full scale by one constant and a gain") {
+  const std::vector<float> pascals{10, -2, 0, 1e9f};
+  std::vector<float> out(4);
+  to_full_scale(pascals, out);
+  CHECK(out[0] == doctest::Approx(10 / full_scale_pascal));
+  CHECK(out[3] <= 1);
+  to_full_scale(pascals, out, {-20});
+  CHECK(out[1] == doctest::Approx(-0.2 / full_scale_pascal));
+}
