@@ -21,6 +21,13 @@ std::string kind(const toml::node& node) {
 
 }  // namespace
 
+Result<toml::table> parse_toml(std::string_view text, const std::string& name) {
+  toml::parse_result parsed = toml::parse(text, name);
+  if (parsed) return std::move(parsed).table();
+  const toml::parse_error& error = parsed.error();
+  return fail(fmt::format("{}:{}", name, error.source().begin.line), std::string(error.description()), "see the TOML reference, toml.io");
+}
+
 std::string TomlReader::where(const toml::node& node) const { return fmt::format("{}:{}", name_, node.source().begin.line); }
 
 void TomlReader::set_error(const toml::node& node, std::string what, std::string fix) {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "intaglio/core/error.h"
@@ -14,9 +15,20 @@
 
 #define TOML_HEADER_ONLY 1
 #define TOML_EXCEPTIONS 0
+// toml++ 3.3 tells its compiler that a bare character from U+00A1 to U+0499 cannot occur where white space may stand. In a file
+// from a user it can; make that "no, it is not white space" instead of undefined behaviour. (fuzz/seeds/scene/beyond_ascii.toml)
+#include <toml++/impl/forward_declarations.h>
+#undef TOML_UNREACHABLE
+#define TOML_UNREACHABLE return false
+#include <toml++/impl/unicode.h>
+#undef TOML_UNREACHABLE
+#define TOML_UNREACHABLE __builtin_unreachable()
 #include <toml++/toml.h>
 
 namespace intaglio {
+
+// Parses TOML text; `name` stands for the file in errors, which carry the line.
+Result<toml::table> parse_toml(std::string_view text, const std::string& name);
 
 // What a number must be.
 struct Range {

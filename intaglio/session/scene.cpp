@@ -162,15 +162,12 @@ void read_camera(TomlReader& r, CameraScene& camera) {
 }  // namespace
 
 Result<Scene> parse_scene(std::string_view text, const std::string& name) {
-  const toml::parse_result parsed = toml::parse(text, name);
-  if (!parsed) {
-    const toml::parse_error& error = parsed.error();
-    return fail(fmt::format("{}:{}", name, error.source().begin.line), std::string(error.description()), "see docs/scene.md");
-  }
+  const auto parsed = parse_toml(text, name);
+  if (!parsed) return tl::unexpected(parsed.error());
   std::optional<Error> error;
   Scene scene;
   scene.name = name;
-  TomlReader r(parsed.table(), name, "", error);
+  TomlReader r(*parsed, name, "", error);
   r.text("title", scene.title);
   r.number("duration", scene.duration, {0.1, 3600, false, "a duration must be between 0.1 s and 3600 s"});
   r.whole("seed", scene.seed, at_least_zero("a seed must be a whole number from 0 on", 1e9));

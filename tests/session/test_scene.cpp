@@ -68,6 +68,7 @@ TEST_CASE("values that make no sense are errors with line and what would be righ
       {"ball = [1, 2]\n", "s.toml:1", "[[ball]]"},
       {"title = \"x\n", "s.toml:1", ""},
       {"a = 1\na = 2\n", "s.toml:2", ""},
+      {"title = \"\u00e9 is fine in quotes\" # \u00e9 and here\n\u00e9 = 1\n", "s.toml:2", ""},
   };
   for (const auto& c : cases) {
     const std::string error = error_of(c.text);
