@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "intaglio/sound/meso.h"
 
@@ -11,6 +12,7 @@ namespace {
 
 constexpr std::size_t max_crossings = 256;
 constexpr double radius_of_flat_pair = 0.01;  // m: where two flat bodies meet, an edge does
+constexpr double resting_fade = 0.03;         // s
 constexpr double longest_path = 0.25;         // of the texture, in one step; more is a jump
 
 double inverse_mass(const SoundBody& body) {
@@ -83,7 +85,7 @@ void ContactPair::add(const ContactEvent& event, double now) {
 
 void ContactPair::finish_step(double now) {
   if (step_.duration == 0) return;
-  if (step_.count == 0) {  // only "end" events, which say at once what the missing of a step would say later
+  if (step_.count == 0) {  // only "end" events
     step_ = ContactStep{};
     if (is_touching_) part(now);
     return;
@@ -180,10 +182,15 @@ void ContactPair::drive(std::int64_t first, std::size_t samples) {
     const double t = std::clamp((time - sliding_.start) / (sliding_.end - sliding_.start), 0.0, 1.0);
     const double force = sliding_.force_from + t * (sliding_.force_to - sliding_.force_from);
     const double speed = sliding_.speed_from + t * (sliding_.speed_to - sliding_.speed_from);
+    // Past its last step a contact rests (its body sleeps) until a further step or its end is reported: the
+    // noise dies away, slowly enough not to click.
+    const double rest = std::clamp((time - sliding_.end) / resting_fade, 0.0, 1.0);
+    const double fade = 0.5 + 0.5 * std::cos(std::numbers::pi * rest);
     const double from = distance_;
-    distance_ += speed * dt;
-    noise_[k] =
-        speed > 0 ? static_cast<float>(micro_level_ * force * micro_->mean(from, distance_) * dt) : 0.0f;
+    distance_ += speed * fade * dt;
+    noise_[k] = speed > 0 && rest < 1
+                    ? static_cast<float>(micro_level_ * force * fade * micro_->mean(from, distance_) * dt)
+                    : 0.0f;
   }
   for (const Side& side : sides_) {
     if (side.normal_gains.empty()) continue;

@@ -46,7 +46,6 @@ class ContactPair {
   int body() const { return sides_[0].body; }
   int other() const { return sides_[1].body; }
   bool is_touching() const { return is_touching_; }
-  double last_time() const { return last_step_.time; }
 
   // Takes one more event of the step being gathered. When it belongs to a later step, that one is finished
   // first.

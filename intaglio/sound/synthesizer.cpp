@@ -60,13 +60,9 @@ class Synthesizer::Engine {
   using Sample = std::int64_t;
 
   Sample sample_at(double time) const { return static_cast<Sample>(std::floor(time * options_.sample_rate)); }
-  // When a touching pair of which no further step has come counts as parted: two samples of grace for
-  // rounding.
-  Sample parting(const ContactPair& pair) const { return sample_at(pair.last_time()) + 2; }
 
   ContactPair* find_pair(const ContactEvent& event);
   void take_due_events();
-  void part_ended_pairs();
   Sample next_change() const;
 
   SynthesizerOptions options_;
@@ -112,20 +108,11 @@ void Synthesizer::Engine::take_due_events() {
   for (ContactPair& pair : pairs_) pair.finish_step(now);
 }
 
-void Synthesizer::Engine::part_ended_pairs() {
-  for (ContactPair& pair : pairs_) {
-    if (pair.is_touching() && parting(pair) <= sample_) pair.part(time());
-  }
-}
-
 // The next sample at which the contacts change: blocks end there, so that the output does not depend on how
 // they are cut.
 Synthesizer::Engine::Sample Synthesizer::Engine::next_change() const {
   Sample next = (sample_ / block_samples + 1) * block_samples;
   if (!events_.empty()) next = std::min(next, sample_at(start_of(events_.front())));
-  for (const ContactPair& pair : pairs_) {
-    if (pair.is_touching()) next = std::min(next, parting(pair));
-  }
   return next;
 }
 
@@ -133,7 +120,6 @@ void Synthesizer::Engine::render(std::span<float> out) {
   std::fill(out.begin(), out.end(), 0.0f);
   while (!out.empty()) {
     take_due_events();
-    part_ended_pairs();
     const auto length = std::min(out.size(), static_cast<std::size_t>(next_change() - sample_));
     for (ContactPair& pair : pairs_) {
       if (pair.is_touching()) pair.drive(sample_, length);
@@ -146,9 +132,7 @@ void Synthesizer::Engine::render(std::span<float> out) {
 }
 
 bool Synthesizer::Engine::is_silent() const {
-  return events_.empty() && ensemble_.is_silent() &&
-         std::none_of(pairs_.begin(), pairs_.end(),
-                      [](const ContactPair& pair) { return pair.is_touching(); });
+  return events_.empty() && ensemble_.is_silent();
 }
 
 SynthesizerStatus Synthesizer::Engine::status() const {

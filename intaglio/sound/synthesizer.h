@@ -10,9 +10,10 @@
 // - micro, while contact lasts: fractal noise by distance travelled, level by normal force (micro.h).
 //
 // An event reports the step that ends at `event.time` and lasts `event.duration`; the points of one pair with
-// equal times are one step, and steps of one pair come in order. Before render() up to time t, every event
-// whose step begins before t must have been pushed; one that comes late sounds at once and is counted. The
-// output depends on events and seed alone, not on how render() calls are cut.
+// equal times are one step, and steps of one pair come in order. A contact lasts until its end is reported:
+// one of which no more is heard rests, its body asleep, and is silent. Before render() up to time t, every
+// event whose step begins before t must have been pushed; one that comes late sounds at once and is counted.
+// The output depends on events and seed alone, not on how render() calls are cut.
 //
 // One thread. render() neither allocates, locks nor throws: at most `max_pulses` blows sound at once (then
 // the smallest is dropped and counted), at most 8 points of a step are told apart, at most 256 texel
