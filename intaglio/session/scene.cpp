@@ -69,7 +69,14 @@ void read_surface(TomlReader& r, SurfaceScene& surface) {
   r.choice("edge", {"wrap", "clamp"}, edge);
   surface.edge = static_cast<surface::Edge>(edge);
   r.pair("size", surface.size, {0.01, 100, false, "a side must be between 0.01 m and 100 m"});
-  r.number("depth", surface.depth, at_least_zero("depth must be between 0 m and 10 m", 10));
+  if (r.has("depth")) {
+    r.number("depth", surface.depth.emplace(), at_least_zero("depth must be between 0 m and 10 m", 10));
+  } else {
+    r.optional_key("depth");
+  }
+  int mode = static_cast<int>(surface.mode);
+  r.choice("maps", {"fused", "raw"}, mode);
+  surface.mode = static_cast<surface::ImportMode>(mode);
   r.number("thickness", surface.thickness, positive("thickness must be greater than 0 m and at most 10 m", 10));
   r.vector("position", surface.position);
   r.vector("rotation", surface.rotation);

@@ -23,7 +23,8 @@ struct SurfaceScene {
   std::optional<surface::Polarity> polarity;
   surface::Edge edge = surface::Edge::wrap;
   Vec2 size = Vec2(1, 1);          // m
-  double depth = 0.02;             // m, of a full-depth texel
+  std::optional<double> depth;     // m, of a full-depth texel; unset: what the texture itself implies
+  surface::ImportMode mode = surface::ImportMode::fused;
   double thickness = 0.05;         // m, of the slab that rings and is drawn
   Vec3 position = Vec3::Zero();    // m, of the middle
   Vec3 rotation = Vec3::Zero();    // degrees about X, then Y, then Z

@@ -36,20 +36,30 @@ int servo_rate(const Scene& scene) { return scene.pen ? static_cast<int>(scene.p
 Result<std::shared_ptr<const surface::Surface>> make_surface(const Scene& scene, std::vector<std::string>* notes) {
   const SurfaceScene& from = scene.surface;
   surface::Texels texels;
+  double depth = from.depth.value_or(0.02 * from.size.x());
   if (from.texture == "brick") {
     texels = surface::to_texels(surface::make_brick({}));
   } else {
-    surface::ImportOptions options{from.green, from.polarity, from.depth / from.size.x()};
+    surface::ImportOptions options;
+    options.green = from.green;
+    options.polarity = from.polarity;
+    options.mode = from.mode;
+    options.edge = from.edge;
+    if (from.depth) options.depth_fraction = *from.depth / from.size.x();
     auto imported = surface::import_texture(from.texture, options);
     if (!imported) return tl::unexpected(imported.error());
-    if (notes != nullptr) *notes = imported->notes;
+    if (notes != nullptr) {
+      *notes = imported->notes;
+      for (const std::string& warning : imported->warnings) notes->push_back("warning: " + warning);
+    }
+    depth = imported->depth_fraction * from.size.x();
     texels = std::move(imported->texels);
   }
   if (texels.depth.empty() && from.representation == Representation::relief) {
-    return fail(from.texture, "has normals but no depth", "give a height map too, or use --representation normal");
+    return fail(from.texture, "has normals but no depth", "take maps = \"fused\", give a height map too, or use --representation normal");
   }
   const surface::Placement placement(from.position, rotation_of(from.rotation), from.size.x(), from.size.y());
-  return std::make_shared<const surface::Surface>(std::move(texels), placement, from.depth, from.edge);
+  return std::make_shared<const surface::Surface>(std::move(texels), placement, depth, from.edge);
 }
 
 Simulation::Simulation(const Scene& scene, std::shared_ptr<const surface::Surface> surface)

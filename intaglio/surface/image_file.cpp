@@ -25,11 +25,11 @@ Result<void> check_size(const std::string& name, std::uint64_t width, std::uint6
   return {};
 }
 
-Image16 take_channels(const std::vector<std::uint16_t>& rgba, int width, int height, int channels) {
-  Image16 out(width, height, channels);
+Image<float> take_channels(const std::vector<std::uint16_t>& rgba, int width, int height, int channels) {
+  Image<float> out(width, height, channels);
   const std::size_t pixels = std::size_t(width) * std::size_t(height);
   for (std::size_t p = 0; p < pixels; ++p) {
-    for (int c = 0; c < channels; ++c) out.data[p * std::size_t(channels) + std::size_t(c)] = rgba[p * 4 + std::size_t(c)];
+    for (int c = 0; c < channels; ++c) out.data[p * std::size_t(channels) + std::size_t(c)] = static_cast<float>(rgba[p * 4 + std::size_t(c)]) / 65535.0f;
   }
   return out;
 }
@@ -70,8 +70,8 @@ Result<DecodedImage> decode_jpeg(std::span<const std::uint8_t> bytes, const std:
   Image8 image(width, height, channels);
   // Decoding fails, rather than warns, on a truncated file: a half-grey texture would be felt as a step.
   if (tjDecompress2(decoder.get(), bytes.data(), bytes.size(), image.data.data(), width, 0, height, channels == 1 ? TJPF_GRAY : TJPF_RGB, TJFLAG_STOPONWARNING) != 0) return broken();
-  DecodedImage out{Image16(width, height, channels), 8};
-  std::transform(image.data.begin(), image.data.end(), out.pixels.data.begin(), [](std::uint8_t v) { return static_cast<std::uint16_t>(v * 257); });
+  DecodedImage out{Image<float>(width, height, channels), 8};
+  std::transform(image.data.begin(), image.data.end(), out.pixels.data.begin(), [](std::uint8_t v) { return static_cast<float>(v) / 255.0f; });
   return out;
 }
 

@@ -16,7 +16,7 @@ inline constexpr std::uint32_t max_side = 16384;
 inline constexpr std::uint64_t max_pixels = 64ull << 20;
 
 struct DecodedImage {
-  Image16 pixels;     // 1 (grey), 3 (RGB) or 4 (RGBA) channels, 0..65535 whatever the file's depth; row 0 = top
+  Image<float> pixels;  // 1 (grey), 3 (RGB) or 4 (RGBA) channels, 0..1; row 0 = top
   int bit_depth = 8;  // of the file
 };
 

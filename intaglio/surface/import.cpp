@@ -1,11 +1,13 @@
 #include "intaglio/surface/import.h"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <cmath>
 
+#include "intaglio/surface/detect.h"
+#include "intaglio/surface/fuse.h"
 #include "intaglio/surface/image_file.h"
+#include "intaglio/surface/maps.h"
+#include "intaglio/surface/texture_files.h"
 
 namespace intaglio::surface {
 
@@ -13,288 +15,226 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// ---- which file is what ---------------------------------------------------------------------------------------------
+constexpr double default_depth_fraction = 0.02;
 
-enum class Role { normal_gl, normal_dx, normal, height, colour, other };
-
-struct NamedRole {
-  const char* part;
-  Role role;
-};
-
-// In order: the first that occurs in the lower-case name decides.
-constexpr std::array<NamedRole, 26> named_roles{{
-    {"normalgl", Role::normal_gl}, {"normal_gl", Role::normal_gl}, {"nor_gl", Role::normal_gl}, {"nrm_gl", Role::normal_gl},
-    {"normaldx", Role::normal_dx}, {"normal_dx", Role::normal_dx}, {"nor_dx", Role::normal_dx}, {"nrm_dx", Role::normal_dx},
-    {"normal", Role::normal},      {"_norm", Role::normal},        {"_nrm", Role::normal},      {"_nor", Role::normal},
-    {"_nm", Role::normal},         {"disp", Role::height},         {"height", Role::height},    {"bump", Role::height},
-    {"_ao", Role::other},          {"rough", Role::other},         {"metal", Role::other},      {"spec", Role::other},
-    {"arm", Role::other},          {"diff", Role::colour},         {"color", Role::colour},     {"colour", Role::colour},
-    {"albedo", Role::colour},      {"basecol", Role::colour},
-}};
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
-bool is_image(const fs::path& path) {
-  const std::string extension = lower(path.extension().string());
-  return extension == ".png" || extension == ".jpg" || extension == ".jpeg";
-}
-
-// The role a file's name claims; an image whose name claims none is the colour map.
-Role role_of(const fs::path& path) {
-  const std::string stem = lower(path.stem().string());
-  for (const NamedRole& named : named_roles) {
-    if (stem.find(named.part) != std::string::npos) return named.role;
-  }
-  return Role::colour;
-}
-
-struct Files {
-  fs::path normal, height, colour;
-};
-
-Result<Files> search_folder(const fs::path& folder) {
-  std::vector<fs::path> images;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    if (entry.is_regular_file(error) && is_image(entry.path())) images.push_back(entry.path());
-  }
-  if (images.empty()) return fail(folder.string(), "holds no PNG or JPEG image", "name a folder with a normal or height map");
-  std::sort(images.begin(), images.end());  // the same choice on every machine
-  Files files;
-  const auto take = [&](Role role, fs::path& slot) {
-    for (const fs::path& image : images) {
-      if (slot.empty() && role_of(image) == role) slot = image;
-    }
-  };
-  for (const Role role : {Role::normal_gl, Role::normal, Role::normal_dx}) take(role, files.normal);
-  take(Role::height, files.height);
-  take(Role::colour, files.colour);
-  if (files.normal.empty() && files.height.empty()) {
-    return fail(folder.string(), "no image is named as a normal or a height map",
-                "name them like brick_normal.png and brick_height.png");
-  }
-  return files;
-}
-
-// The colour map that lies beside a single image: the same name with its role cut off, or with a colour role.
-fs::path colour_beside(const fs::path& image) {
-  std::error_code error;
-  const std::string stem = lower(image.stem().string());
-  const fs::path folder = image.has_parent_path() ? image.parent_path() : fs::path(".");
-  std::vector<fs::path> candidates;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    if (entry.path() == image || !entry.is_regular_file(error) || !is_image(entry.path())) continue;
-    const std::string other = lower(entry.path().stem().string());
-    const std::string shared = stem.substr(0, stem.find_last_of('_'));
-    if (role_of(entry.path()) == Role::colour && !shared.empty() && other.rfind(shared, 0) == 0) candidates.push_back(entry.path());
-  }
-  std::sort(candidates.begin(), candidates.end());
-  return candidates.empty() ? fs::path{} : candidates.front();
-}
-
-// ---- what the pixels are --------------------------------------------------------------------------------------------
-
-// Normal maps have vectors of nearly unit length that point up.
-bool looks_like_normals(const Image16& image) {
-  std::size_t unit = 0;
-  const std::size_t pixels = image.data.size() / std::size_t(image.channels);
-  for (std::size_t p = 0; p < pixels; ++p) {
-    Vec3 n;
-    for (int c = 0; c < 3; ++c) n[c] = image.data[p * std::size_t(image.channels) + std::size_t(c)] / 32767.5 - 1;
-    if (std::abs(n.norm() - 1) < 0.15 && n.z() > 0) ++unit;
-  }
-  return unit * 10 > pixels * 8;
-}
-
-bool is_constant(const Image16& image, int channel) {
-  const auto step = static_cast<std::size_t>(image.channels);
-  const std::uint16_t first = image.data[static_cast<std::size_t>(channel)];
-  for (std::size_t p = static_cast<std::size_t>(channel); p < image.data.size(); p += step) {
-    if (image.data[p] != first) return false;
-  }
-  return true;
-}
-
-// Row y of an image (0 = top) as a row of texels (0 = bottom).
-int flipped(int y, int height) { return height - 1 - y; }
-
-std::vector<Vec3> read_normals(const Image16& image, Green green) {
-  std::vector<Vec3> normals(std::size_t(image.width) * std::size_t(image.height));
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      Vec3 n;
-      for (int c = 0; c < 3; ++c) n[c] = image.at(x, y, c) / 32767.5 - 1;
-      if (green == Green::minus_y) n.y() = -n.y();
-      n.z() = std::max(n.z(), 1e-3);  // a height field has no overhangs; 8-bit files round vertical walls to below 0
-      normals[std::size_t(flipped(y, image.height)) * std::size_t(image.width) + std::size_t(x)] = n.normalized();
-    }
-  }
-  return normals;
-}
-
-std::vector<float> read_depth(const Image16& image, int channel, Polarity polarity) {
-  std::vector<float> depth(std::size_t(image.width) * std::size_t(image.height));
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      double value = image.at(x, y, channel) / 65535.0;
-      if (image.channels == 3) value = (image.at(x, y, 0) + image.at(x, y, 1) + image.at(x, y, 2)) / (3 * 65535.0);
-      depth[std::size_t(flipped(y, image.height)) * std::size_t(image.width) + std::size_t(x)] =
-          static_cast<float>(polarity == Polarity::height ? 1 - value : value);
-    }
-  }
-  return depth;
-}
-
-Image8 read_colour(const Image16& image) {
-  Image8 colour(image.width, image.height, 3);
-  for (int y = 0; y < image.height; ++y) {
-    for (int x = 0; x < image.width; ++x) {
-      for (int c = 0; c < 3; ++c) {
-        colour.at(x, flipped(y, image.height), c) = static_cast<std::uint8_t>(image.at(x, y, image.channels < 3 ? 0 : c) >> 8);
-      }
-    }
-  }
-  return colour;
-}
-
-Image8 plain_colour() {
-  Image8 colour(1, 1, 3);
-  std::fill(colour.data.begin(), colour.data.end(), std::uint8_t{176});
-  return colour;
-}
-
-// Normals of a depth map by central differences, for a tile whose full depth is `depth_fraction` of its width.
-std::vector<Vec3> normals_of_depth(const std::vector<float>& depth, int width, int height, double depth_fraction) {
-  std::vector<Vec3> normals(depth.size());
-  const auto z = [&](int i, int j) {
-    return -depth_fraction * static_cast<double>(depth[std::size_t((j + height) % height) * std::size_t(width) + std::size_t((i + width) % width)]);
-  };
-  for (int j = 0; j < height; ++j) {
-    for (int i = 0; i < width; ++i) {
-      const double dz_dx = (z(i + 1, j) - z(i - 1, j)) * width / 2;
-      const double dz_dy = (z(i, j + 1) - z(i, j - 1)) * width / 2;  // texels are square
-      normals[std::size_t(j) * std::size_t(width) + std::size_t(i)] = Vec3(-dz_dx, -dz_dy, 1).normalized();
-    }
-  }
-  return normals;
-}
-
-// ---- putting it together --------------------------------------------------------------------------------------------
-
+// The maps of a texture, read but not yet understood.
 struct Loaded {
-  fs::path normal_file, height_file;
-  Image16 normal;         // RGB or RGBA; empty: none
-  Image16 height;         // empty: none
+  DecodedImage normal, height;  // empty pixels: none; the height may be the normal's alpha channel
   int height_channel = 0;
-  Polarity default_polarity = Polarity::height;
+  ImportReport report;
 };
 
-Result<Loaded> load_folder(const Files& files) {
-  Loaded loaded{files.normal, files.height, {}, {}};
+void take_alpha_as_height(Loaded& loaded) {
+  if (loaded.normal.pixels.channels != 4 || is_constant(loaded.normal.pixels, 3)) return;
+  loaded.height = loaded.normal;
+  loaded.height_channel = loaded.report.height_channel = 3;
+  loaded.report.height_file = loaded.report.normal_file;
+}
+
+Result<Loaded> load(const TextureFiles& files, bool single) {
+  Loaded loaded;
+  loaded.report.colour_file = files.colour;
   if (!files.normal.empty()) {
     auto image = read_image(files.normal);
     if (!image) return tl::unexpected(image.error());
-    if (image->pixels.channels < 3) return fail(files.normal.string(), "is a grey image, but its name says normal map", "rename it");
-    loaded.normal = std::move(image->pixels);
+    const bool normals = image->pixels.channels >= 3 && looks_like_normals(image->pixels);
+    if (!single && image->pixels.channels < 3) return fail(files.normal.string(), "is a grey image, but its name says normal map", "rename it");
+    if (single && !normals) {
+      loaded.height = std::move(*image);
+      loaded.report.height_file = files.normal;
+    } else {
+      loaded.normal = std::move(*image);
+      loaded.report.normal_file = files.normal;
+    }
   }
   if (!files.height.empty()) {
     auto image = read_image(files.height);
     if (!image) return tl::unexpected(image.error());
-    loaded.height = std::move(image->pixels);
-  } else if (loaded.normal.channels == 4 && !is_constant(loaded.normal, 3)) {
-    loaded.height = loaded.normal;
-    loaded.height_file = files.normal;
-    loaded.height_channel = 3;
-    loaded.default_polarity = Polarity::depth;
+    loaded.height = std::move(*image);
+    loaded.report.height_file = files.height;
+  } else if (loaded.height.pixels.empty()) {
+    take_alpha_as_height(loaded);
   }
+  loaded.report.normal_bits = loaded.normal.pixels.empty() ? 0 : loaded.normal.bit_depth;
+  loaded.report.height_bits = loaded.height.pixels.empty() ? 0 : loaded.height.bit_depth;
   return loaded;
 }
 
-Result<Loaded> load_single(const fs::path& path) {
-  auto image = read_image(path);
-  if (!image) return tl::unexpected(image.error());
-  Loaded loaded;
-  if (image->pixels.channels >= 3 && looks_like_normals(image->pixels)) {
-    loaded.normal_file = path;
-    loaded.normal = image->pixels;
-    if (image->pixels.channels == 4 && !is_constant(image->pixels, 3)) {
-      loaded.height_file = path;
-      loaded.height = std::move(image->pixels);
-      loaded.height_channel = 3;
-      loaded.default_polarity = Polarity::depth;
-    }
-  } else {
-    loaded.height_file = path;
-    loaded.height = std::move(image->pixels);
-  }
-  return loaded;
-}
+// One step of a map of so many bits, as a share of its range.
+double step_of(int bits) { return 1.0 / (std::exp2(std::min(bits, 24)) - 1); }
 
-Result<Imported> convert(Loaded loaded, const fs::path& colour_file, const ImportOptions& options) {
-  Imported out;
-  const Image16& size_from = loaded.normal.empty() ? loaded.height : loaded.normal;
-  out.texels.width = size_from.width;
-  out.texels.height = size_from.height;
-  if (!loaded.height.empty()) {
-    const Polarity polarity = options.polarity.value_or(loaded.default_polarity);
-    if (loaded.height.width != size_from.width || loaded.height.height != size_from.height) {
-      return fail(loaded.height_file.string(), fmt::format("is {} x {}, but its normal map {} is {} x {}", loaded.height.width, loaded.height.height, loaded.normal_file.string(), size_from.width, size_from.height), "resize one to the other");
+std::string name_of(const fs::path& path) { return path.filename().string(); }
+
+// Understands the maps of one texture, step by step.
+class Conversion {
+ public:
+  Conversion(Loaded loaded, const ImportOptions& options) : loaded_(std::move(loaded)), options_(options) { out_.report = loaded_.report; }
+
+  Imported run() {
+    if (has_normals()) slopes_ = read_slopes(loaded_.normal.pixels, &out_.report.clamped_normals);
+    if (has_height()) {
+      height_ = read_height(loaded_.height.pixels, loaded_.height_channel);
+      if (has_normals() && (height_.width != slopes_.x.width || height_.height != slopes_.x.height)) fit_height();
     }
-    out.texels.depth = read_depth(loaded.height, loaded.height_channel, polarity);
-    out.notes.push_back(fmt::format("{} from {}{}", polarity == Polarity::height ? "height (white = high)" : "depth (white = deep)", loaded.height_file.filename().string(), loaded.height_channel == 3 ? ", alpha channel" : ""));
+    settle_conventions();
+    settle_depth();
+    if (options_.mode == ImportMode::fused && has_normals()) {
+      fuse_maps();
+    } else {
+      keep_maps();
+    }
+    out_.texels.width = size().width;
+    out_.texels.height = size().height;
+    return std::move(out_);
   }
-  if (!loaded.normal.empty()) {
-    const Green by_name = role_of(loaded.normal_file) == Role::normal_dx ? Green::minus_y : Green::plus_y;
-    const Green green = options.green.value_or(by_name);
-    out.texels.normal = read_normals(loaded.normal, green);
-    out.notes.push_back(fmt::format("normals from {}, green {}", loaded.normal_file.filename().string(), green == Green::plus_y ? "+Y" : "-Y"));
-  } else {
-    out.texels.normal = normals_of_depth(out.texels.depth, out.texels.width, out.texels.height, options.depth_fraction);
-    out.notes.push_back("normals from the slopes of the height");
+
+ private:
+  bool has_normals() const { return !loaded_.normal.pixels.empty(); }
+  bool has_height() const { return !loaded_.height.pixels.empty(); }
+  const Field& size() const { return has_normals() ? slopes_.x : height_; }
+  void note(std::string line) { out_.notes.push_back(std::move(line)); }
+  void warn(std::string line) { out_.warnings.push_back(std::move(line)); }
+
+  void fit_height() {
+    note(fmt::format("height of {} x {} resampled to the normal map's {} x {}", height_.width, height_.height, slopes_.x.width, slopes_.x.height));
+    height_ = resampled(height_, slopes_.x.width, slopes_.x.height);
   }
-  out.texels.colour = plain_colour();
-  if (!colour_file.empty()) {
-    const auto colour = read_image(colour_file);
-    if (!colour) return tl::unexpected(colour.error());
-    out.texels.colour = read_colour(colour->pixels);
-    out.notes.push_back("colour from " + colour_file.filename().string());
-  } else {
-    out.notes.push_back("no colour map found: plain grey");
+
+  // Green sign, polarity and row order; afterwards slopes_ are +Y and height_ is white = high.
+  void settle_conventions() {
+    ImportReport& report = out_.report;
+    Green green = has_normals() && named_directx(report.normal_file) ? Green::minus_y : Green::plus_y;
+    Polarity polarity = report.height_channel == 3 ? Polarity::depth : Polarity::height;
+    if (has_normals() && has_height()) {
+      const Detection found = detect(slopes_, height_);
+      report.correlation = found.correlation;
+      report.correlation_u = found.correlation_u;
+      report.correlation_v = found.correlation_v;
+      agrees_ = found.agrees();
+      if (agrees_) {
+        report.detected_green = green = found.green;
+        report.detected_polarity = polarity = found.polarity;
+        report.rows_differed = found.rows_differ;
+        report.implied_depth = found.implied_depth;
+      } else {
+        warn(fmt::format("normals and height hardly agree (correlation {:.2f}): are they of the same surface?", found.correlation));
+      }
+    }
+    green = options_.green.value_or(green);
+    polarity = options_.polarity.value_or(polarity);
+    if (options_.flip_height_rows.value_or(report.rows_differed)) flip_rows(height_);
+    if (has_normals()) {
+      if (green == Green::minus_y) negate(slopes_.y);
+      note(fmt::format("normals from {}, green {}", name_of(report.normal_file), green == Green::plus_y ? "+Y" : "-Y"));
+    }
+    if (has_height()) {
+      if (polarity == Polarity::depth) complement(height_);
+      note(fmt::format("{} from {}{}{}", polarity == Polarity::height ? "height (white = high)" : "depth (white = deep)", name_of(report.height_file), report.height_channel == 3 ? ", alpha channel" : "", report.rows_differed ? ", its rows upside down" : ""));
+    }
+    if (agrees_) note(fmt::format("correlation of normals and height {:.2f}; implied full depth {:.2f} % of the side", report.correlation, 100 * report.implied_depth));
   }
-  return out;
-}
+
+  // How deep a full depth is. A depth that was asked for scales the slopes of the normals with it.
+  void settle_depth() {
+    const double implied = agrees_ ? out_.report.implied_depth : 0;
+    out_.depth_fraction = options_.depth_fraction.value_or(implied > 0 ? implied : default_depth_fraction);
+    if (options_.mode == ImportMode::fused && agrees_ && options_.depth_fraction && implied > 0) scale(slopes_, out_.depth_fraction / implied);
+  }
+
+  void fuse_maps() {
+    FuseInput input;
+    const double texels = out_.depth_fraction * slopes_.x.width;  // full depth
+    const bool both = has_height() && agrees_;
+    if (has_height() && !agrees_) {
+      warn("the height alone is used; its slopes are the normals");
+      return keep_height();
+    }
+    if (both) {
+      input.height = height_;
+      scale(input.height, texels);
+      input.height_step = texels * step_of(out_.report.height_bits);
+    }
+    input.slopes = std::move(slopes_);
+    input.normal_step = 2 * step_of(out_.report.normal_bits);
+    input.edge = options_.edge == Edge::wrap ? FuseEdge::periodic : FuseEdge::mirrored;
+    Fused fused = fuse(input);
+    out_.report.curl = fused.curl;
+    out_.report.lambda = fused.lambda;
+    out_.report.mean_slope_u = fused.mean_slope_x;
+    out_.report.mean_slope_v = fused.mean_slope_y;
+    if (!both) note(fmt::format("height implied by the normals; {:.0f} % of their slope fits no height", 100 * fused.curl));
+    const double tilt = std::hypot(fused.mean_slope_x, fused.mean_slope_y);
+    if (!both && options_.edge == Edge::wrap && tilt > 0.05) warn(fmt::format("the normals tilt by {:.1f} degrees on the whole; a repeating tile cannot, so that part is left out", std::atan(tilt) * 180 / 3.141592653589793));
+    out_.texels.normal = normals_of(fused.slopes);
+    set_depth(fused.height, both ? texels : 0);
+    slopes_ = std::move(fused.slopes);
+  }
+
+  // `height` in texels becomes depth fractions of its own range, 0 = top. A map's `top` stays where it is, unless the fused field
+  // rises above it.
+  void set_depth(const Field& height, double top) {
+    const auto [low, high] = std::minmax_element(height.value.begin(), height.value.end());
+    const double highest = std::max(top, static_cast<double>(*high));
+    const double ceiling = top > 0 ? highest : static_cast<double>(*high);
+    const double range = std::max(1e-9, ceiling - static_cast<double>(*low));
+    out_.texels.depth.resize(height.value.size());
+    std::transform(height.value.begin(), height.value.end(), out_.texels.depth.begin(), [&](float h) { return static_cast<float>((ceiling - static_cast<double>(h)) / range); });
+    if (!(has_height() && agrees_) && options_.depth_fraction) {
+      // An implied height that was told how deep to be.
+      const double factor = options_.depth_fraction.value() * height.width / range;
+      rescale_normals(out_.texels.normal, factor);
+      return;
+    }
+    out_.depth_fraction = range / height.width;
+  }
+
+  void keep_height() {
+    out_.texels.normal = normals_of(central_slopes(height_, out_.depth_fraction));
+    out_.texels.depth.resize(height_.value.size());
+    std::transform(height_.value.begin(), height_.value.end(), out_.texels.depth.begin(), [](float h) { return 1 - h; });
+  }
+
+  void keep_maps() {
+    if (has_normals()) {
+      out_.texels.normal = normals_of(slopes_);
+      if (has_height()) {
+        out_.texels.depth.resize(height_.value.size());
+        std::transform(height_.value.begin(), height_.value.end(), out_.texels.depth.begin(), [](float h) { return 1 - h; });
+      }
+    } else {
+      note("normals from the slopes of the height");
+      keep_height();
+    }
+  }
+
+  Loaded loaded_;
+  ImportOptions options_;
+  Slopes slopes_;
+  Field height_;
+  bool agrees_ = false;
+  Imported out_;
+};
 
 }  // namespace
 
 Result<Imported> import_texture(const fs::path& path, const ImportOptions& options) {
   std::error_code error;
-  if (fs::is_directory(path, error)) {
-    const auto files = search_folder(path);
-    if (!files) return tl::unexpected(files.error());
-    auto loaded = load_folder(*files);
-    if (!loaded) return tl::unexpected(loaded.error());
-    return convert(std::move(*loaded), files->colour, options);
-  }
-  auto loaded = load_single(path);
+  const bool single = !fs::is_directory(path, error);
+  const auto files = find_texture_files(path);
+  if (!files) return tl::unexpected(files.error());
+  auto loaded = load(*files, single);
   if (!loaded) return tl::unexpected(loaded.error());
-  return convert(std::move(*loaded), colour_beside(path), options);
-}
-
-Texels to_texels(const TextureImages& images) {
-  return {images.relief.width, images.relief.height, read_depth(images.relief, 3, Polarity::depth),
-          read_normals(images.relief, Green::plus_y), [&] {
-            Image8 colour(images.colour.width, images.colour.height, 3);
-            for (int y = 0; y < colour.height; ++y) {
-              for (int x = 0; x < colour.width; ++x) {
-                for (int c = 0; c < 3; ++c) colour.at(x, flipped(y, colour.height), c) = images.colour.at(x, y, c);
-              }
-            }
-            return colour;
-          }()};
+  Imported imported = Conversion(std::move(*loaded), options).run();
+  imported.texels.colour = plain_colour();
+  if (files->colour.empty()) {
+    imported.notes.push_back("no colour map found: plain grey");
+  } else {
+    const auto colour = read_image(files->colour);
+    if (!colour) return tl::unexpected(colour.error());
+    imported.texels.colour = read_colour(colour->pixels);
+    imported.notes.push_back("colour from " + name_of(files->colour));
+  }
+  return imported;
 }
 
 }  // namespace intaglio::surface

@@ -1,4 +1,7 @@
 // From a user's images to the canonical texels of a Surface: unit normals, +Y; depth fraction, 0 = top; row 0 = v 0.
+//
+// What the files' conventions are is detected (detect.h) and can be overridden; what was found is said in `notes` and, where
+// something does not fit, in `warnings`. By default height and normals are fused into one consistent field (fuse.h).
 #pragma once
 
 #include <filesystem>
@@ -14,26 +17,54 @@ namespace intaglio::surface {
 
 enum class Green { plus_y, minus_y };
 enum class Polarity { depth, height };  // what white means: deep, or high
+enum class ImportMode {
+  fused,  // height and normals made one; a normal map alone is integrated to an implied height
+  raw,    // the maps as they are, the paper's way: normals need not be those of the depth
+};
 
 struct ImportOptions {
-  std::optional<Green> green;        // unset: minus_y when the file's name says so (NormalDX), else plus_y
-  std::optional<Polarity> polarity;  // unset: height for a height map of its own; depth for an alpha channel (the paper's convention)
-  double depth_fraction = 0.02;      // full depth over the side of the tile, for normals that are made from depth alone
+  std::optional<Green> green;            // unset: detected, else by the file's name, else +Y
+  std::optional<Polarity> polarity;      // unset: detected, else height (alpha: depth, the paper's convention)
+  std::optional<bool> flip_height_rows;  // unset: detected
+  std::optional<double> depth_fraction;  // full depth over the side of the tile; unset: what the normals imply, else 0.02
+  ImportMode mode = ImportMode::fused;
+  Edge edge = Edge::wrap;                // whether the tile repeats, for the fusion
 };
+
+// What import found out. Correlations are 0 where there was only one map.
+struct ImportReport {
+  std::filesystem::path normal_file, height_file, colour_file;
+  int height_channel = 0;  // 3: the alpha channel of the normal map
+  int normal_bits = 0, height_bits = 0;
+  std::optional<Green> detected_green;
+  std::optional<Polarity> detected_polarity;
+  bool rows_differed = false;
+  double correlation = 0, correlation_u = 0, correlation_v = 0;
+  double implied_depth = 0;   // 0: not known
+  double curl = 0;            // share of the normals' slopes that no height can have
+  double mean_slope_u = 0, mean_slope_v = 0;
+  double clamped_normals = 0;  // fraction of texels whose slope was beyond max_slope
+  double lambda = 0;
+};
+
+// Slopes beyond this (87 degrees) are held at it: an 8-bit normal cannot tell them apart.
+inline constexpr double max_slope = 20;
 
 struct Imported {
   Texels texels;
-  std::vector<std::string> notes;  // what was found and assumed, one line each
+  double depth_fraction = 0.02;  // full depth (texel depth 1) over the side of the tile
+  ImportReport report;
+  std::vector<std::string> notes, warnings;  // one line each
 };
 
 // `path` is an image or a folder of images.
 //   RGBA image       normals in RGB, depth or height in alpha; a colour map beside it is found by its name
 //   RGB image        normals if it looks like normals, else its brightness is taken as height
 //   grey image       height
-//   folder           searched for normal, height and colour by the usual names (nor_gl, NormalDX, disp, height, diff, Color, ...)
+//   folder           searched for normal, height and colour by the usual names
 Result<Imported> import_texture(const std::filesystem::path& path, const ImportOptions& options);
 
-// The built-in images, through the same conversion.
+// The built-in images, through the same conversion of pixels.
 Texels to_texels(const TextureImages& images);
 
 }  // namespace intaglio::surface

@@ -7,6 +7,7 @@
 #include "intaglio/core/file.h"
 #include "intaglio/surface/image_file.h"
 #include "intaglio/surface/import.h"
+#include "intaglio/surface/maps.h"
 #include "tests/surface/brick_surface.h"
 
 using namespace intaglio;
@@ -52,16 +53,16 @@ TEST_CASE("a PNG round trip keeps every 16-bit sample") {
   const auto decoded = decode_image(encode_png(brick.relief), "x");
   REQUIRE(decoded);
   CHECK(decoded->bit_depth == 16);
-  CHECK(decoded->pixels.data == brick.relief.data);
+  for (std::size_t k = 0; k < brick.relief.data.size(); ++k) REQUIRE(std::lround(decoded->pixels.data[k] * 65535.0f) == brick.relief.data[k]);
 }
 
-TEST_CASE("an 8-bit sample v is read as 257 v") {
+TEST_CASE("an 8-bit sample v is read as v / 255") {
   Image8 image(16, 16, 1);
   for (std::size_t k = 0; k < 256; ++k) image.data[k] = static_cast<std::uint8_t>(k);
   const auto decoded = decode_image(encode_png(image), "x");
   REQUIRE(decoded);
   REQUIRE(decoded->pixels.channels == 1);
-  for (std::size_t k = 0; k < 256; ++k) CHECK(decoded->pixels.data[k] == 257 * k);
+  for (std::size_t k = 0; k < 256; ++k) CHECK(decoded->pixels.data[k] == doctest::Approx(static_cast<double>(k) / 255).epsilon(1e-6));
 }
 
 TEST_CASE("one RGBA file, and the same split into a folder of files, make the same texels") {
@@ -82,25 +83,99 @@ TEST_CASE("one RGBA file, and the same split into a folder of files, make the sa
   CHECK(many->texels.colour.width == 64);
 }
 
-TEST_CASE("flipping the green channel or inverting the height is undone by the option") {
+TEST_CASE("a flipped green channel or an inverted height is noticed and undone, raw and fused") {
   const Folder folder;
   const TextureImages brick = make_brick(small_brick());
-  TextureImages flipped = brick;
-  for (int y = 0; y < 64; ++y) {
-    for (int x = 0; x < 64; ++x) {
-      flipped.relief.at(x, y, 1) = static_cast<std::uint16_t>(65535 - flipped.relief.at(x, y, 1));
-      flipped.relief.at(x, y, 3) = static_cast<std::uint16_t>(65535 - flipped.relief.at(x, y, 3));
+  const Texels truth = to_texels(brick);
+  for (const bool minus : {false, true}) {
+    for (const bool high : {false, true}) {
+      TextureImages flipped = brick;
+      for (int y = 0; y < 64; ++y) {
+        for (int x = 0; x < 64; ++x) {
+          if (minus) flipped.relief.at(x, y, 1) = static_cast<std::uint16_t>(65535 - flipped.relief.at(x, y, 1));
+          if (high) flipped.relief.at(x, y, 3) = static_cast<std::uint16_t>(65535 - flipped.relief.at(x, y, 3));
+        }
+      }
+      REQUIRE(write_file(folder.path / "f.png", encode_png(flipped.relief)));
+      for (const auto mode : {ImportMode::raw, ImportMode::fused}) {
+        ImportOptions options;
+        options.mode = mode;
+        const auto imported = import_texture(folder.path / "f.png", options);
+        REQUIRE(imported);
+        CHECK(imported->report.detected_green == (minus ? Green::minus_y : Green::plus_y));
+        CHECK(imported->report.detected_polarity == (high ? Polarity::height : Polarity::depth));
+        CHECK(imported->report.implied_depth == doctest::Approx(0.02).epsilon(0.05));
+        if (mode == ImportMode::fused) continue;
+        CHECK(rms(imported->texels.depth, truth.depth) < 1e-5);
+        for (std::size_t k = 0; k < truth.normal.size(); ++k) CHECK((imported->texels.normal[k] - truth.normal[k]).norm() < 1e-4);
+      }
     }
   }
-  REQUIRE(write_file(folder.path / "f.png", encode_png(flipped.relief)));
+}
+
+TEST_CASE("options override what is detected") {
+  const Folder folder;
+  const TextureImages brick = make_brick(small_brick());
+  REQUIRE(write_file(folder.path / "b.png", encode_png(brick.relief)));
   ImportOptions options;
+  options.mode = ImportMode::raw;
   options.green = Green::minus_y;
   options.polarity = Polarity::height;
-  const auto imported = import_texture(folder.path / "f.png", options);
+  const auto imported = import_texture(folder.path / "b.png", options);
   REQUIRE(imported);
   const Texels truth = to_texels(brick);
-  CHECK(rms(imported->texels.depth, truth.depth) < 1e-6);
-  for (std::size_t k = 0; k < truth.normal.size(); ++k) CHECK((imported->texels.normal[k] - truth.normal[k]).norm() < 1e-6);
+  CHECK(imported->texels.normal[100].y() == doctest::Approx(-truth.normal[100].y()).epsilon(1e-4));
+  CHECK(imported->texels.depth[100] == doctest::Approx(1 - truth.depth[100]).epsilon(1e-4));
+}
+
+TEST_CASE("a fused surface is one surface: its normals are the slopes of its depth") {
+  const Folder folder;
+  BrickRecipe recipe;
+  recipe.size = 128;
+  TextureImages brick = make_brick(recipe);
+  Image8 eight(128, 128, 4);
+  for (std::size_t k = 0; k < eight.data.size(); ++k) eight.data[k] = static_cast<std::uint8_t>(brick.relief.data[k] >> 8);
+  REQUIRE(write_file(folder.path / "b.png", encode_png(eight)));
+  const auto imported = import_texture(folder.path / "b.png", {});
+  REQUIRE(imported);
+  Field height(128, 128);
+  for (std::size_t k = 0; k < height.value.size(); ++k) height.value[k] = 1 - imported->texels.depth[k];
+  const std::vector<Vec3> of_depth = normals_of(central_slopes(height, imported->depth_fraction));
+  double sum = 0;
+  for (std::size_t k = 0; k < of_depth.size(); ++k) sum += (of_depth[k] - imported->texels.normal[k]).squaredNorm();
+  const double error = std::sqrt(sum / static_cast<double>(of_depth.size()));
+  MESSAGE("normals against slopes of the depth: rms " << error);
+  CHECK(error < 0.01);
+}
+
+TEST_CASE("a normal map alone gets an implied depth, of about the right amount") {
+  const Folder folder;
+  const TextureImages brick = make_brick(small_brick());
+  REQUIRE(write_file(folder.path / "n.png", encode_png(channels_of(brick.relief, 0, 3))));
+  const auto fused = import_texture(folder.path / "n.png", {});
+  REQUIRE(fused);
+  CHECK(fused->depth_fraction == doctest::Approx(0.02).epsilon(0.15));
+  ImportOptions raw;
+  raw.mode = ImportMode::raw;
+  const auto as_it_is = import_texture(folder.path / "n.png", raw);
+  REQUIRE(as_it_is);
+  CHECK(as_it_is->texels.depth.empty());
+}
+
+TEST_CASE("maps of different surfaces warn and fall back to the height") {
+  const Folder folder;
+  BrickRecipe other = small_brick();
+  other.columns = 3;
+  other.rows = 10;
+  const TextureImages a = make_brick(small_brick());
+  const TextureImages b = make_brick(other);
+  REQUIRE(write_file(folder.path / "x_normal.png", encode_png(channels_of(a.relief, 0, 3))));
+  REQUIRE(write_file(folder.path / "x_height.png", encode_png(channels_of(b.relief, 3, 1))));
+  const auto imported = import_texture(folder.path, {});
+  REQUIRE(imported);
+  CHECK_FALSE(imported->report.detected_green);
+  REQUIRE(imported->warnings.size() >= 1);
+  CHECK(imported->warnings[0].find("correlation") != std::string::npos);
 }
 
 TEST_CASE("a height map alone makes the normals of its slopes") {
@@ -109,6 +184,7 @@ TEST_CASE("a height map alone makes the normals of its slopes") {
   REQUIRE(write_file(folder.path / "wall_depth.png", encode_png(channels_of(brick.relief, 3, 1))));
   ImportOptions options;
   options.polarity = Polarity::depth;
+  options.depth_fraction = 0.02;
   const auto imported = import_texture(folder.path / "wall_depth.png", options);
   REQUIRE(imported);
   const Texels truth = to_texels(brick);

@@ -1,0 +1,164 @@
+#include "intaglio/surface/maps.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "intaglio/surface/brick.h"
+#include "intaglio/surface/import.h"
+
+namespace intaglio::surface {
+
+namespace {
+
+// Row y of an image (0 = top) as a row of texels (0 = bottom), and back.
+int flipped(int y, int height) { return height - 1 - y; }
+
+Vec3 vector_at(const Pixels& image, int x, int y) {
+  return {2.0 * static_cast<double>(image.at(x, y, 0)) - 1, 2.0 * static_cast<double>(image.at(x, y, 1)) - 1, 2.0 * static_cast<double>(image.at(x, y, 2)) - 1};
+}
+
+}  // namespace
+
+bool looks_like_normals(const Pixels& image) {
+  std::size_t unit = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const Vec3 n = vector_at(image, x, y);
+      if (std::abs(n.norm() - 1) < 0.15 && n.z() > 0) ++unit;
+    }
+  }
+  return unit * 10 > std::size_t(image.width) * std::size_t(image.height) * 8;
+}
+
+bool is_constant(const Pixels& image, int channel) {
+  const auto step = static_cast<std::size_t>(image.channels);
+  const float first = image.data[static_cast<std::size_t>(channel)];
+  for (std::size_t p = static_cast<std::size_t>(channel); p < image.data.size(); p += step) {
+    if (image.data[p] != first) return false;
+  }
+  return true;
+}
+
+Slopes read_slopes(const Pixels& image, double* clamped) {
+  Slopes slopes{Field(image.width, image.height), Field(image.width, image.height)};
+  std::size_t beyond = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const Vec3 n = vector_at(image, x, y);
+      const double up = std::max(n.z(), 1e-6);  // a height field has no overhangs; 8-bit files round vertical walls to below 0
+      Vec2 slope(-n.x() / up, -n.y() / up);
+      if (slope.norm() > max_slope) {
+        ++beyond;
+        slope *= max_slope / slope.norm();
+      }
+      slopes.x.at(x, flipped(y, image.height)) = static_cast<float>(slope.x());
+      slopes.y.at(x, flipped(y, image.height)) = static_cast<float>(slope.y());
+    }
+  }
+  if (clamped != nullptr) *clamped = static_cast<double>(beyond) / static_cast<double>(slopes.x.value.size());
+  return slopes;
+}
+
+Field read_height(const Pixels& image, int channel) {
+  Field height(image.width, image.height);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const bool brightness = image.channels == 3 || (image.channels == 4 && channel != 3);
+      height.at(x, flipped(y, image.height)) = brightness ? (image.at(x, y, 0) + image.at(x, y, 1) + image.at(x, y, 2)) / 3 : image.at(x, y, channel);
+    }
+  }
+  return height;
+}
+
+Image8 read_colour(const Pixels& image) {
+  Image8 colour(image.width, image.height, 3);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      for (int c = 0; c < 3; ++c) {
+        const float value = image.at(x, y, image.channels < 3 ? 0 : c);
+        colour.at(x, flipped(y, image.height), c) = static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * 255));
+      }
+    }
+  }
+  return colour;
+}
+
+Image8 plain_colour() {
+  Image8 colour(1, 1, 3);
+  std::fill(colour.data.begin(), colour.data.end(), std::uint8_t{176});
+  return colour;
+}
+
+Field resampled(const Field& field, int width, int height) {
+  Field out(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const double fx = std::clamp((x + 0.5) * field.width / width - 0.5, 0.0, field.width - 1.0);
+      const double fy = std::clamp((y + 0.5) * field.height / height - 0.5, 0.0, field.height - 1.0);
+      const int x0 = std::min(static_cast<int>(fx), std::max(0, field.width - 2));
+      const int y0 = std::min(static_cast<int>(fy), std::max(0, field.height - 2));
+      const int x1 = std::min(x0 + 1, field.width - 1);
+      const int y1 = std::min(y0 + 1, field.height - 1);
+      const auto s = static_cast<float>(fx - x0);
+      const auto t = static_cast<float>(fy - y0);
+      out.at(x, y) = (1 - t) * ((1 - s) * field.at(x0, y0) + s * field.at(x1, y0)) + t * ((1 - s) * field.at(x0, y1) + s * field.at(x1, y1));
+    }
+  }
+  return out;
+}
+
+void flip_rows(Field& field) {
+  for (int y = 0; y < field.height / 2; ++y) {
+    for (int x = 0; x < field.width; ++x) std::swap(field.at(x, y), field.at(x, flipped(y, field.height)));
+  }
+}
+
+void negate(Field& field) { scale(field, -1); }
+
+void complement(Field& field) {
+  for (float& v : field.value) v = 1 - v;
+}
+
+void scale(Field& field, double factor) {
+  for (float& v : field.value) v *= static_cast<float>(factor);
+}
+
+void scale(Slopes& slopes, double factor) {
+  scale(slopes.x, factor);
+  scale(slopes.y, factor);
+}
+
+std::vector<Vec3> normals_of(const Slopes& slopes) {
+  std::vector<Vec3> normals(slopes.x.value.size());
+  for (std::size_t k = 0; k < normals.size(); ++k) normals[k] = Vec3(-static_cast<double>(slopes.x.value[k]), -static_cast<double>(slopes.y.value[k]), 1).normalized();
+  return normals;
+}
+
+void rescale_normals(std::vector<Vec3>& normals, double factor) {
+  for (Vec3& n : normals) n = Vec3(factor * n.x(), factor * n.y(), n.z()).normalized();
+}
+
+Slopes central_slopes(const Field& height, double depth_fraction) {
+  const int w = height.width;
+  const int h = height.height;
+  const auto scale_to_slope = static_cast<float>(depth_fraction * w / 2);  // texels are square
+  Slopes slopes{Field(w, h), Field(w, h)};
+  for (int y = 0; y < h; ++y) {
+    for (int x = 0; x < w; ++x) {
+      slopes.x.at(x, y) = scale_to_slope * (height.at((x + 1) % w, y) - height.at((x + w - 1) % w, y));
+      slopes.y.at(x, y) = scale_to_slope * (height.at(x, (y + 1) % h) - height.at(x, (y + h - 1) % h));
+    }
+  }
+  return slopes;
+}
+
+Texels to_texels(const TextureImages& images) {
+  Pixels relief(images.relief.width, images.relief.height, 4);
+  std::transform(images.relief.data.begin(), images.relief.data.end(), relief.data.begin(), [](std::uint16_t v) { return static_cast<float>(v) / 65535.0f; });
+  Pixels colour(images.colour.width, images.colour.height, 3);
+  std::transform(images.colour.data.begin(), images.colour.data.end(), colour.data.begin(), [](std::uint8_t v) { return static_cast<float>(v) / 255.0f; });
+  const Field depth = read_height(relief, 3);
+  return {relief.width, relief.height, depth.value, normals_of(read_slopes(relief, nullptr)), read_colour(colour)};
+}
+
+}  // namespace intaglio::surface

@@ -1,0 +1,40 @@
+// The pixels of maps, read and turned: from images to fields and back to normals.
+#pragma once
+
+#include <vector>
+
+#include "intaglio/core/image.h"
+#include "intaglio/core/vec.h"
+#include "intaglio/surface/field.h"
+
+namespace intaglio::surface {
+
+// What decoded pixels are kept in: 0..1.
+using Pixels = Image<float>;
+
+// Normal maps have vectors of nearly unit length that point up.
+bool looks_like_normals(const Pixels& image);
+bool is_constant(const Pixels& image, int channel);
+
+// Slopes of a normal map, green +Y assumed, held within max_slope; `clamped` receives the fraction that was.
+Slopes read_slopes(const Pixels& image, double* clamped);
+// One channel of a map, or the brightness of an RGB one, 0..1.
+Field read_height(const Pixels& image, int channel);
+// 8-bit RGB, row 0 = bottom.
+Image8 read_colour(const Pixels& image);
+Image8 plain_colour();
+
+Field resampled(const Field& field, int width, int height);  // bilinear
+void flip_rows(Field& field);
+void negate(Field& field);
+void complement(Field& field);  // 1 - value
+void scale(Field& field, double factor);
+void scale(Slopes& slopes, double factor);
+
+std::vector<Vec3> normals_of(const Slopes& slopes);
+// The normals of the same surface made `factor` times as deep.
+void rescale_normals(std::vector<Vec3>& normals, double factor);
+// Slopes of a height 0..1 by central differences, wrapped, for a full depth of `depth_fraction` of the side.
+Slopes central_slopes(const Field& height, double depth_fraction);
+
+}  // namespace intaglio::surface

@@ -1,0 +1,23 @@
+// Which image of a texture is what, by the names that artists and libraries give them.
+#pragma once
+
+#include <filesystem>
+
+#include "intaglio/core/error.h"
+
+namespace intaglio::surface {
+
+// Any of the three may be empty, but not both of the first.
+struct TextureFiles {
+  std::filesystem::path normal, height, colour;
+};
+
+// `path` is a folder, searched by the usual names (nor_gl, NormalDX, disp, height, diff, Color, ...; an image whose name claims no
+// role is the colour map), or one image; then `normal` or `height` is left for the caller to decide by its pixels: it is in
+// `normal`, and the colour map that lies beside it is found.
+Result<TextureFiles> find_texture_files(const std::filesystem::path& path);
+
+// Whether a normal map's name says that its green channel is -Y (DirectX).
+bool named_directx(const std::filesystem::path& path);
+
+}  // namespace intaglio::surface
