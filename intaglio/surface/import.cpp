@@ -25,7 +25,7 @@ struct Loaded {
 };
 
 void take_alpha_as_height(Loaded& loaded) {
-  if (loaded.normal.pixels.channels != 4 || is_constant(loaded.normal.pixels, 3)) return;
+  if (loaded.normal.pixels.empty() || loaded.normal.pixels.channels != 4 || is_constant(loaded.normal.pixels, 3)) return;
   loaded.height = loaded.normal;
   loaded.height_channel = loaded.report.height_channel = 3;
   loaded.report.height_file = loaded.report.normal_file;
@@ -47,14 +47,14 @@ Result<Loaded> load(const TextureFiles& files, bool single) {
       loaded.report.normal_file = files.normal;
     }
   }
-  if (!files.height.empty()) {
+  if (loaded.height.pixels.empty() && single) take_alpha_as_height(loaded);
+  if (!files.height.empty() && loaded.height.pixels.empty()) {
     auto image = read_image(files.height);
     if (!image) return tl::unexpected(image.error());
     loaded.height = std::move(*image);
     loaded.report.height_file = files.height;
-  } else if (loaded.height.pixels.empty()) {
-    take_alpha_as_height(loaded);
   }
+  if (loaded.height.pixels.empty()) take_alpha_as_height(loaded);
   loaded.report.normal_bits = loaded.normal.pixels.empty() ? 0 : loaded.normal.bit_depth;
   loaded.report.height_bits = loaded.height.pixels.empty() ? 0 : loaded.height.bit_depth;
   return loaded;
@@ -120,8 +120,8 @@ class Conversion {
         warn(fmt::format("normals and height hardly agree (correlation {:.2f}): are they of the same surface?", found.correlation));
       }
     }
-    green = options_.green.value_or(green);
-    polarity = options_.polarity.value_or(polarity);
+    report.green = green = options_.green.value_or(green);
+    report.polarity = polarity = options_.polarity.value_or(polarity);
     if (options_.flip_height_rows.value_or(report.rows_differed)) flip_rows(height_);
     if (has_normals()) {
       if (green == Green::minus_y) negate(slopes_.y);

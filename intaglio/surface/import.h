@@ -36,7 +36,9 @@ struct ImportReport {
   std::filesystem::path normal_file, height_file, colour_file;
   int height_channel = 0;  // 3: the alpha channel of the normal map
   int normal_bits = 0, height_bits = 0;
-  std::optional<Green> detected_green;
+  Green green = Green::plus_y;            // as it was taken: overridden, detected, or by name and default
+  Polarity polarity = Polarity::height;
+  std::optional<Green> detected_green;    // set when the maps agree
   std::optional<Polarity> detected_polarity;
   bool rows_differed = false;
   double correlation = 0, correlation_u = 0, correlation_v = 0;
@@ -59,7 +61,7 @@ struct Imported {
 
 // `path` is an image or a folder of images.
 //   RGBA image       normals in RGB, depth or height in alpha; a colour map beside it is found by its name
-//   RGB image        normals if it looks like normals, else its brightness is taken as height
+//   RGB image        normals if it looks like normals (a height map beside it is found by its name), else its brightness is taken as height
 //   grey image       height
 //   folder           searched for normal, height and colour by the usual names
 Result<Imported> import_texture(const std::filesystem::path& path, const ImportOptions& options);

@@ -20,7 +20,8 @@ struct NamedRole {
 };
 
 // In order: the first that occurs in the lower-case name decides.
-constexpr std::array<NamedRole, 26> named_roles{{
+constexpr std::array<NamedRole, 27> named_roles{{
+    {"relief", Role::normal},
     {"normalgl", Role::normal_gl}, {"normal_gl", Role::normal_gl}, {"nor_gl", Role::normal_gl}, {"nrm_gl", Role::normal_gl},
     {"normaldx", Role::normal_dx}, {"normal_dx", Role::normal_dx}, {"nor_dx", Role::normal_dx}, {"nrm_dx", Role::normal_dx},
     {"normal", Role::normal},      {"_norm", Role::normal},        {"_nrm", Role::normal},      {"_nor", Role::normal},
@@ -73,17 +74,17 @@ Result<TextureFiles> search_folder(const fs::path& folder) {
   return files;
 }
 
-// The colour map that lies beside a single image: the same name with its role cut off, or with a colour role.
-fs::path colour_beside(const fs::path& image) {
+// The image of that role that lies beside `image` and shares its name but for the role; of several, the first by name.
+fs::path beside(const fs::path& image, Role role) {
   std::error_code error;
   const std::string stem = lower(image.stem().string());
+  const std::string shared = stem.substr(0, stem.find_last_of('_'));
   const fs::path folder = image.has_parent_path() ? image.parent_path() : fs::path(".");
   std::vector<fs::path> candidates;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     if (entry.path() == image || !entry.is_regular_file(error) || !is_image(entry.path())) continue;
-    const std::string other = lower(entry.path().stem().string());
-    const std::string shared = stem.substr(0, stem.find_last_of('_'));
-    if (role_of(entry.path()) == Role::colour && !shared.empty() && other.rfind(shared, 0) == 0) candidates.push_back(entry.path());
+    const bool related = !shared.empty() && lower(entry.path().stem().string()).rfind(shared, 0) == 0;
+    if (related && role_of(entry.path()) == role) candidates.push_back(entry.path());
   }
   std::sort(candidates.begin(), candidates.end());
   return candidates.empty() ? fs::path{} : candidates.front();
@@ -96,7 +97,7 @@ bool named_directx(const fs::path& path) { return role_of(path) == Role::normal_
 Result<TextureFiles> find_texture_files(const fs::path& path) {
   std::error_code error;
   if (fs::is_directory(path, error)) return search_folder(path);
-  return TextureFiles{path, {}, colour_beside(path)};
+  return TextureFiles{path, beside(path, Role::height), beside(path, Role::colour)};
 }
 
 }  // namespace intaglio::surface

@@ -13,8 +13,8 @@ struct TextureFiles {
 };
 
 // `path` is a folder, searched by the usual names (nor_gl, NormalDX, disp, height, diff, Color, ...; an image whose name claims no
-// role is the colour map), or one image; then `normal` or `height` is left for the caller to decide by its pixels: it is in
-// `normal`, and the colour map that lies beside it is found.
+// role is the colour map), or one image. That image is then in `normal`, whatever it is: the caller decides by its pixels. The
+// height and colour maps that lie beside it under the same name are found as well.
 Result<TextureFiles> find_texture_files(const std::filesystem::path& path);
 
 // Whether a normal map's name says that its green channel is -Y (DirectX).

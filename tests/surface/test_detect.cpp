@@ -70,7 +70,8 @@ TEST_CASE("the conventions of real textures are found") {
   const struct {
     std::string path;
     Green green;
-  } known[] = {{"brick_medieval_red", Green::plus_y}, {"wood_raw_plank", Green::plus_y}, {"wood_woodfloor007", Green::plus_y}, {"trak4_brick2", Green::minus_y}};
+  } known[] = {{"brick_medieval_red", Green::plus_y}, {"wood_raw_plank", Green::plus_y}, {"wood_woodfloor007", Green::plus_y}, {"trak4_brick2", Green::minus_y},
+               {"wood_woodfloor007/WoodFloor007_1K_NormalGL.png", Green::plus_y}, {"wood_woodfloor007/WoodFloor007_1K_NormalDX.png", Green::minus_y}};
   for (const auto& texture : known) {
     const auto imported = import_texture(shared / texture.path, {});
     REQUIRE_MESSAGE(imported, texture.path);
