@@ -133,7 +133,9 @@ void read_pen(TomlReader& r, PenScene& pen) {
   r.number("workspace_scale", pen.workspace.scale, positive("a scale must be greater than 0", 1e3));
   r.number("stiffness", pen.spring.stiffness, at_least_zero("stiffness must be between 0 and 1e5 N/m", 1e5));
   r.number("damping", pen.spring.damping, at_least_zero("damping must be between 0 and 1e3 N s/m", 1e3));
-  r.number("device_rate", pen.device.rate, {100, 20000, false, "a servo rate must be between 100 Hz and 20000 Hz"});
+  int rate = static_cast<int>(pen.device.rate);
+  r.whole("device_rate", rate, {100, 20000, false, "a servo rate must be between 100 Hz and 20000 Hz"});
+  pen.device.rate = rate;
   r.number("device_peak_force", pen.device.peak_force, positive("a peak force must be greater than 0 N and at most 100 N", 100));
   r.number("device_resolution", pen.device.resolution, positive("a resolution must be greater than 0 m", 0.01));
   r.vector("device_workspace", pen.device.workspace);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <numbers>
 
 #include "intaglio/sound/fem/shapes.h"
@@ -90,59 +92,86 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const Scene& scene, std::
   return simulation;
 }
 
-Result<void> Simulation::bake() {
-  const std::int64_t start = process_cpu_ns();
-  std::vector<sound::SoundBody> bodies;
-  std::optional<Error> error;
-  const auto add = [&](sound::SoundBody body, const std::string& name, const sound::TetMesh& mesh, const Material& material) {
-    if (error) return;
-    sound::BakeOptions options;
-    options.modes.count = scene_.sound.modes;
-    auto model = sound::bake(mesh, material, options);
+// Models of one scene, each baked once: twenty equal balls share one.
+class Simulation::Bakery {
+ public:
+  Bakery(const std::string& scene, int modes, Recording& recording) : scene_(scene), recording_(recording) { options_.modes.count = modes; }
+
+  // Adds a ringing body of that mesh. `shape` names the mesh: equal names and materials are the same model.
+  void add(sound::SoundBody body, const std::string& name, const std::string& shape, const std::function<sound::TetMesh()>& mesh, const Material& material) {
+    if (error_) return;
+    const std::string key = fmt::format("{} {} {} {} {} {} {}", shape, material.name, material.density, material.youngs_modulus, material.poisson_ratio, material.rayleigh_alpha, material.rayleigh_beta);
+    auto& model = models_[key];
     if (!model) {
-      error = Error{scene_.name, fmt::format("modal analysis of the {} failed: {}", name, model.error().message()), ""};
-      return;
+      auto baked = sound::bake(mesh(), material, options_);
+      if (!baked) {
+        error_ = Error{scene_, fmt::format("modal analysis of the {} failed: {}", name, baked.error().message()), ""};
+        return;
+      }
+      model = std::make_shared<const sound::ModalModel>(std::move(*baked));
     }
     Voice voice{body.id, name, material.name, {}, {}};
     for (const double omega : model->angular_frequency) voice.frequencies.push_back(omega / (2 * std::numbers::pi));
     for (const double damping : model->damping) voice.t60.push_back(std::log(1000.0) / damping);
-    recording_.voices.push_back(voice);
+    recording_.voices.push_back(std::move(voice));
     body.mass = model->mass;
-    body.model = std::make_shared<const sound::ModalModel>(std::move(*model));
-    bodies.push_back(std::move(body));
-  };
+    body.model = model;
+    bodies_.push_back(std::move(body));
+  }
+  Result<std::vector<sound::SoundBody>> bodies() {
+    if (error_) return tl::unexpected(*error_);
+    return std::move(bodies_);
+  }
 
+ private:
+  std::string scene_;
+  Recording& recording_;
+  sound::BakeOptions options_;
+  std::map<std::string, std::shared_ptr<const sound::ModalModel>> models_;
+  std::vector<sound::SoundBody> bodies_;
+  std::optional<Error> error_;
+};
+
+void Simulation::bake_floor(Bakery& bakery) const {
   const SurfaceScene& slab = scene_.surface;
   // The slab hangs below the base plane; its modal model is a box about its middle, Y up.
-  const int cells = 24;
   sound::SoundBody floor;
   floor.id = floor_body;
   floor.is_fixed = true;
   floor.surface = surface_;
   floor.rest_pose = {surface_->placement().to_world({slab.size.x() / 2, slab.size.y() / 2, -slab.thickness / 2}), rotation_of(slab.rotation)};
-  const double longer = slab.size.maxCoeff();
-  const auto along = [&](double side) { return std::clamp(static_cast<int>(std::lround(cells * side / longer)), 2, cells); };
-  add(floor, "floor", sound::box({slab.size.x(), slab.thickness, slab.size.y()}, along(slab.size.x()), 1, along(slab.size.y())), slab.material);
+  constexpr int cells = 24;
+  const auto along = [&](double side) { return std::clamp(static_cast<int>(std::lround(cells * side / slab.size.maxCoeff())), 2, cells); };
+  const auto mesh = [&] { return sound::box({slab.size.x(), slab.thickness, slab.size.y()}, along(slab.size.x()), 1, along(slab.size.y())); };
+  bakery.add(floor, "floor", "slab", mesh, slab.material);
+}
+
+Result<void> Simulation::bake() {
+  const std::int64_t start = process_cpu_ns();
+  Bakery bakery(scene_.name, scene_.sound.modes, recording_);
+  bake_floor(bakery);
   for (std::size_t k = 0; k < scene_.balls.size(); ++k) {
     const dynamics::SphereBody& ball = scene_.balls[k];
     sound::SoundBody body;
     body.id = recording_.balls[k].body;
     body.radius_of_curvature = ball.radius;
-    add(body, scene_.balls.size() == 1 ? "ball" : fmt::format("ball {}", k + 1), sound::ball(ball.radius, 2), ball.material);
+    const std::string name = scene_.balls.size() == 1 ? "ball" : fmt::format("ball {}", k + 1);
+    bakery.add(body, name, fmt::format("ball {}", ball.radius), [&] { return sound::ball(ball.radius, 2); }, ball.material);
   }
   if (scene_.pen) {
     sound::SoundBody body;
     body.id = recording_.pen;
     body.radius_of_curvature = 0.001;  // a pen's tip, not its shaft
-    add(body, "pen", sound::cylinder(scene_.pen->radius, scene_.pen->length, 1, 16), scene_.pen->material);
+    bakery.add(body, "pen", "pen", [&] { return sound::cylinder(scene_.pen->radius, scene_.pen->length, 1, 16); }, scene_.pen->material);
   }
-  if (error) return tl::unexpected(*error);
+  auto bodies = bakery.bodies();
+  if (!bodies) return tl::unexpected(bodies.error());
   sound::SynthesizerOptions options;
   options.sample_rate = scene_.sound.sample_rate;
   options.seed = static_cast<std::uint64_t>(scene_.seed);
   options.micro_level *= scene_.sound.micro;
-  options.meso = slab.representation == Representation::normal ? sound::MesoSource::normal_map : sound::MesoSource::engine_impulses;
-  synthesizer_ = std::make_unique<sound::Synthesizer>(options, std::move(bodies));
+  options.meso = scene_.surface.representation == Representation::normal ? sound::MesoSource::normal_map : sound::MesoSource::engine_impulses;
+  synthesizer_ = std::make_unique<sound::Synthesizer>(options, std::move(*bodies));
   recording_.bake_s = static_cast<double>(process_cpu_ns() - start) * 1e-9;
   return {};
 }

@@ -43,7 +43,10 @@ class Simulation {
  private:
   Simulation(const Scene& scene, std::shared_ptr<const surface::Surface> surface);
 
+  class Bakery;
+
   Result<void> bake();
+  void bake_floor(Bakery& bakery) const;
   void run_until(Ticks end);
   void step_physics();
   void step_servo();

@@ -160,3 +160,18 @@ TEST_CASE("a matrix that is not positive definite is an error, not a wrong answe
   const SparseMatrix zero = 0.0 * system.stiffness;
   CHECK_FALSE(Factorisation::of(zero, Definiteness::positive));
 }
+
+TEST_CASE("a body far larger or thinner than most has its modes too") {
+  // Frequencies of a ball go as 1 / radius.
+  const Material plastic = *find_material("plastic");
+  const auto small = free_modes(assemble(ball(0.1, 1), plastic), {.count = 8, .min_frequency = 1});
+  const auto large = free_modes(assemble(ball(3, 1), plastic), {.count = 8, .min_frequency = 1});
+  REQUIRE(small);
+  REQUIRE(large);
+  for (int k = 0; k < 8; ++k)
+    CHECK(large->angular_frequency[k] * 30 == doctest::Approx(small->angular_frequency[k]).epsilon(1e-6));
+  // A sheet whose first mode is far below hearing still rings, above it.
+  const auto sheet = free_modes(assemble(box({2, 0.001, 0.5}, 24, 1, 6), plastic), {.count = 8});
+  REQUIRE(sheet);
+  CHECK(sheet->angular_frequency.size() == 8);
+}

@@ -131,12 +131,8 @@ double worst_residual(const ElasticSystem& system, const Modes& modes) {
   return worst;
 }
 
-}  // namespace
-
-Result<Modes> free_modes(const ElasticSystem& system, const ModeOptions& options) {
+Result<Modes> modes_at(const ElasticSystem& system, const ModeOptions& options, double shift) {
   const double lowest = eigenvalue_of(options.min_frequency), highest = eigenvalue_of(options.max_frequency);
-  // A twentieth of the highest frequency: far from the rigid modes' zero, yet near it among the wanted ones.
-  const double shift = -highest / 400;
   const double rigid_limit = -1e-6 * shift;
   auto shifted = Factorisation::of(system.stiffness - shift * system.mass, Definiteness::positive);
   if (!shifted) return tl::unexpected(shifted.error());
@@ -185,6 +181,20 @@ Result<Modes> free_modes(const ElasticSystem& system, const ModeOptions& options
                 "use a finer mesh");
   }
   return modes;
+}
+
+}  // namespace
+
+Result<Modes> free_modes(const ElasticSystem& system, const ModeOptions& options) {
+  // A twentieth of the highest frequency: far from the rigid modes' zero, yet near it among the wanted ones.
+  // A large or thin body has its modes so much lower that they look alike from there, or rigid: then come
+  // nearer.
+  Result<Modes> first = modes_at(system, options, -eigenvalue_of(options.max_frequency / 20));
+  for (const double nearer : {200.0, 2000.0, 20000.0}) {
+    if (first) break;
+    if (auto modes = modes_at(system, options, -eigenvalue_of(options.max_frequency / nearer))) return modes;
+  }
+  return first;
 }
 
 }  // namespace intaglio::sound

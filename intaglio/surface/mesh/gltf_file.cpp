@@ -1,0 +1,245 @@
+// glTF 2.0: the container, the scene's nodes, and the triangles of their meshes.
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "intaglio/surface/mesh/gltf_buffers.h"
+#include "intaglio/surface/mesh/mesh_file.h"
+
+namespace intaglio::surface {
+
+namespace {
+
+using Transform = Eigen::Affine3d;
+
+constexpr std::size_t max_list = max_mesh_file_bytes;  // any index: none can be larger than the file
+constexpr int max_depth = 64;                          // of the tree of nodes
+constexpr int triangles_mode = 4;
+
+struct Chunks {
+  std::span<const std::uint8_t> json, binary;
+};
+
+std::uint32_t little_endian(std::span<const std::uint8_t> bytes, std::size_t at) {
+  return bytes[at] | static_cast<std::uint32_t>(bytes[at + 1]) << 8 |
+         static_cast<std::uint32_t>(bytes[at + 2]) << 16 | static_cast<std::uint32_t>(bytes[at + 3]) << 24;
+}
+
+// A GLB is a header of 12 bytes, then chunks of length, type, bytes: first JSON, then perhaps BIN.
+Result<Chunks> split(std::span<const std::uint8_t> bytes, const std::string& name) {
+  constexpr std::uint32_t glb_magic = 0x46546c67, json_type = 0x4e4f534a, binary_type = 0x004e4942;
+  if (bytes.size() < 4 || little_endian(bytes, 0) != glb_magic) return Chunks{bytes, {}};
+  if (bytes.size() < 20) return fail(name, "is a GLB file that ends in its header", "is the file cut off?");
+  if (little_endian(bytes, 4) != 2)
+    return fail(name, fmt::format("is GLB version {}", little_endian(bytes, 4)), "version 2 is read");
+  if (little_endian(bytes, 8) > bytes.size())
+    return fail(name,
+                fmt::format("has {} bytes of the {} that it declares", bytes.size(), little_endian(bytes, 8)),
+                "is the file cut off?");
+  Chunks chunks;
+  for (std::size_t at = 12; at + 8 <= bytes.size();) {
+    const std::size_t length = little_endian(bytes, at);
+    if (length > bytes.size() - at - 8)
+      return fail(name, fmt::format("byte {}: a chunk of {} bytes is longer than the file", at, length));
+    const auto chunk = bytes.subspan(at + 8, length);
+    const std::uint32_t type = little_endian(bytes, at + 4);
+    if (type == json_type && chunks.json.empty()) chunks.json = chunk;
+    if (type == binary_type && chunks.binary.empty()) chunks.binary = chunk;
+    at += 8 + length;
+  }
+  return chunks;
+}
+
+// The JSON of the file, without exceptions; nesting is bounded because each level costs memory many times its
+// text.
+nlohmann::json parse_json(std::span<const std::uint8_t> text) {
+  constexpr int deepest = 100;
+  const auto shallow = [](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
+    return depth <= deepest;
+  };
+  return nlohmann::json::parse(text.begin(), text.end(), shallow, false);
+}
+
+class GltfReader {
+ public:
+  GltfReader(const nlohmann::json& json, std::span<const std::uint8_t> binary, const std::string& name,
+             const SideBuffers& side_buffers)
+      : root_(&json, "", name, error_), buffers_(root_, binary, side_buffers), name_(name) {}
+
+  Result<TriangleMesh> read() {
+    check_asset();
+    const JsonValue scenes = root_["scenes"];
+    visited_.assign(root_["nodes"].size(), false);
+    if (scenes.size() > 0) {
+      const JsonValue roots = scenes[root_["scene"].whole(0, max_list)]["nodes"];
+      for (std::size_t k = 0; k < roots.size() && !error_; ++k)
+        read_node(roots[k].required_whole(max_list), Transform::Identity(), 0);
+    } else {
+      for (std::size_t k = 0; k < root_["meshes"].size() && !error_; ++k) read_mesh(k, Transform::Identity());
+    }
+    if (error_) return tl::unexpected(*error_);
+    if (skipped_ > 0)
+      mesh_.notes.push_back(fmt::format("{} lists of points or lines were not read", skipped_));
+    return checked(std::move(mesh_), name_);
+  }
+
+ private:
+  void check_asset() {
+    if (!root_["asset"]["version"].text().starts_with("2"))
+      root_["asset"].fail("is not glTF 2", "version 2.0 is read");
+    const JsonValue required = root_["extensionsRequired"];
+    for (std::size_t k = 0; k < required.size() && !error_; ++k) {
+      const std::string extension = required[k].text();
+      const auto only_looks = {"KHR_materials_", "KHR_lights_", "KHR_texture_basisu", "EXT_texture_webp"};
+      if (std::none_of(only_looks.begin(), only_looks.end(),
+                       [&](const char* prefix) { return extension.starts_with(prefix); }))
+        required[k].fail("is " + printable(extension) + ", which is not read", "export without it");
+    }
+  }
+
+  // A node may be reached once only: that is what makes the nodes a tree, and a cycle an error.
+  void read_node(std::size_t index, const Transform& parent, int depth) {
+    const JsonValue node = root_["nodes"][index];
+    if (!node || error_) return;
+    if (visited_[index] || depth > max_depth)
+      return node.fail("is its own ancestor, has two parents, or lies too deep");
+    visited_[index] = true;
+    const Transform world = parent * local_transform(node);
+    if (node["mesh"]) read_mesh(node["mesh"].required_whole(max_list), world);
+    const JsonValue children = node["children"];
+    for (std::size_t k = 0; k < children.size() && !error_; ++k)
+      read_node(children[k].required_whole(max_list), world, depth + 1);
+  }
+
+  static Transform local_transform(const JsonValue& node) {
+    Transform transform = Transform::Identity();
+    if (const JsonValue matrix = node["matrix"]) {
+      for (int k = 0; k < 16; ++k) {
+        const double value = matrix[static_cast<std::size_t>(k)].number(0);
+        if (k % 4 < 3) transform.matrix()(k % 4, k / 4) = value;
+      }
+      return transform;
+    }
+    const auto numbers = [](const JsonValue& list, auto fallback) {
+      if (!list) return fallback;
+      for (Eigen::Index k = 0; k < fallback.size(); ++k)
+        fallback[k] = list[static_cast<std::size_t>(k)].number(0);
+      return fallback;
+    };
+    const Eigen::Vector4d xyzw = numbers(node["rotation"], Eigen::Vector4d(0, 0, 0, 1));
+    transform.translate(numbers(node["translation"], Vec3(Vec3::Zero())));
+    if (xyzw.norm() > 0)
+      transform.rotate(Quat(xyzw.normalized()));
+    else
+      node["rotation"].fail("is zero");
+    transform.scale(numbers(node["scale"], Vec3(Vec3::Ones())));
+    return transform;
+  }
+
+  void read_mesh(std::size_t index, const Transform& world) {
+    const JsonValue primitives = root_["meshes"][index]["primitives"];
+    for (std::size_t k = 0; k < primitives.size() && !error_; ++k) read_primitive(primitives[k], world);
+  }
+
+  void read_primitive(const JsonValue& primitive, const Transform& world) {
+    const auto mode = static_cast<int>(primitive["mode"].whole(triangles_mode, 6));
+    if (mode < triangles_mode) {
+      ++skipped_;
+      return;
+    }
+    if (mode != triangles_mode)
+      return primitive["mode"].fail("is a strip or a fan", "export plain triangles");
+    if (!primitive["attributes"]["TEXCOORD_0"])
+      return primitive.fail("has no UVs (TEXCOORD_0)",
+                            "a texture needs them; unwrap the mesh and export its UVs");
+    const std::size_t first = mesh_.positions.size();
+    read_vertices(primitive["attributes"], world);
+    if (!error_) read_triangles(primitive, first, world.linear().determinant() < 0);
+  }
+
+  void read_vertices(const JsonValue& attributes, const Transform& world) {
+    using Component = GltfBuffers::Component;
+    const auto elements = [&](const char* attribute, const char* type, std::size_t components,
+                              Component component) {
+      return buffers_.elements(attributes[attribute].required_whole(max_list), type, components, component);
+    };
+    const Elements positions = elements("POSITION", "VEC3", 3, Component::floats);
+    const Elements uvs = elements("TEXCOORD_0", "VEC2", 2, Component::normalised);
+    const bool has_normals = static_cast<bool>(attributes["NORMAL"]);
+    const Elements normals = has_normals ? elements("NORMAL", "VEC3", 3, Component::floats) : Elements{};
+    if (error_) return;
+    if (uvs.count != positions.count || (has_normals && normals.count != positions.count))
+      return attributes.fail("have different lengths");
+    if (positions.count > max_mesh_vertices - mesh_.positions.size())
+      return attributes.fail("make too many vertices", fmt::format("at most {} are read", max_mesh_vertices));
+    const Mat3 normal_world = normal_transform(world.linear());
+    const auto vector = [](const Elements& list, std::size_t k) {
+      return Vec3(list.fraction(k, 0), list.fraction(k, 1), list.fraction(k, 2));
+    };
+    for (std::size_t k = 0; k < positions.count; ++k) {
+      mesh_.positions.push_back(world * vector(positions, k));
+      mesh_.normals.push_back(has_normals ? Vec3(normal_world * vector(normals, k)) : Vec3(Vec3::Zero()));
+      mesh_.uvs.emplace_back(uvs.fraction(k, 0), 1 - uvs.fraction(k, 1));  // glTF counts v from the top row
+    }
+  }
+
+  // The inverse transpose up to a positive factor: the cofactors, which exist for flattening scales too.
+  static Mat3 normal_transform(const Mat3& m) {
+    Mat3 cofactors;
+    cofactors << m.col(1).cross(m.col(2)), m.col(2).cross(m.col(0)), m.col(0).cross(m.col(1));
+    const double largest = cofactors.cwiseAbs().maxCoeff();
+    return largest > 0 ? Mat3(cofactors * (std::copysign(1.0, m.determinant()) / largest))
+                       : Mat3(Mat3::Zero());
+  }
+
+  void read_triangles(const JsonValue& primitive, std::size_t first, bool mirrored) {
+    const std::size_t vertices = mesh_.positions.size() - first;
+    const JsonValue indices = primitive["indices"];
+    Elements list;
+    if (indices)
+      list =
+          buffers_.elements(indices.required_whole(max_list), "SCALAR", 1, GltfBuffers::Component::indices);
+    if (error_) return;
+    const std::size_t corners = indices ? list.count : vertices;
+    if (corners % 3 != 0) return primitive.fail(fmt::format("has {} corners, not a multiple of 3", corners));
+    if (corners / 3 > max_mesh_triangles - mesh_.triangles.size())
+      return primitive.fail("makes too many triangles",
+                            fmt::format("at most {} are read", max_mesh_triangles));
+    for (std::size_t k = 0; k < corners; k += 3) {
+      Triangle triangle;
+      for (std::size_t corner = 0; corner < 3; ++corner) {
+        const std::size_t vertex = indices ? list.index(k + corner) : k + corner;
+        if (vertex >= vertices)
+          return primitive.fail(fmt::format("triangle {} names vertex {} of {}", k / 3, vertex, vertices));
+        triangle[corner] = static_cast<int>(first + vertex);
+      }
+      if (mirrored) std::swap(triangle[1], triangle[2]);  // a mirroring transform turns triangles inside out
+      mesh_.triangles.push_back(triangle);
+    }
+  }
+
+  std::optional<Error> error_;
+  JsonValue root_;
+  GltfBuffers buffers_;
+  std::string name_;
+  std::vector<bool> visited_;
+  std::size_t skipped_ = 0;
+  TriangleMesh mesh_;
+};
+
+}  // namespace
+
+Result<TriangleMesh> parse_gltf(std::span<const std::uint8_t> bytes, const std::string& name,
+                                const SideBuffers& side_buffers) {
+  if (bytes.size() > max_mesh_file_bytes)
+    return fail(name, fmt::format("has {} bytes", bytes.size()),
+                fmt::format("at most {} are read", max_mesh_file_bytes));
+  const auto chunks = split(bytes, name);
+  if (!chunks) return tl::unexpected(chunks.error());
+  const nlohmann::json json = parse_json(chunks->json);
+  if (!json.is_object())
+    return fail(name, "is not a glTF file: its JSON cannot be read", "is the file cut off?");
+  return GltfReader(json, chunks->binary, name, side_buffers).read();
+}
+
+}  // namespace intaglio::surface
