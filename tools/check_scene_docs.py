@@ -1,18 +1,18 @@
 #!/usr/bin/env python3
-"""Holds docs/scene.md to the scene reader: every key that intaglio/session/scene.cpp reads has a row, and no row is without a key."""
+"""Holds docs/scene.md to the scene reader: every key that intaglio/session/scene.cpp and intaglio/core/material_reader.cpp read has a row, and no row is without a key."""
 import pathlib
 import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 READ = re.compile(r'\b(?:r|reader)\.(?:number|whole|text|vector|pair|choice|rows|table|tables)\("([a-z_0-9]+)"')
-HELPED = re.compile(r'read_(?:material|direction)\(\w+, "([a-z_]+)"')
+HELPED = re.compile(r'(?:read_material|read_direction|start_from)\(\w+, "([a-z_]+)"')
 ROW = re.compile(r"^\|\s*`([a-z_0-9]+)`\s*\|", re.M)
 HEADING = re.compile(r"^## `\[+([a-z_]+)\]+`", re.M)
 
 
 def main() -> int:
-    source = (ROOT / "intaglio/session/scene.cpp").read_text()
+    source = (ROOT / "intaglio/session/scene.cpp").read_text() + (ROOT / "intaglio/core/material_reader.cpp").read_text()
     docs = (ROOT / "docs/scene.md").read_text()
     read = set(READ.findall(source)) | set(HELPED.findall(source))
     documented = set(ROW.findall(docs)) | set(HEADING.findall(docs))

@@ -175,8 +175,7 @@ Result<Recording> render(const Scene& scene, const RenderJob& job) {
   const std::string gl_threads = std::to_string(job.threads > 1 ? job.threads : 0);
   setenv("LP_NUM_THREADS", gl_threads.c_str(), 0);  // llvmpipe's own pool; the user's setting wins
 
-  std::vector<std::string> notes;
-  auto surface = make_surface(scene, &notes);
+  const auto surface = make_surface(scene);
   if (!surface) return tl::unexpected(surface.error());
   Progress progress("render", job.quiet);
   progress.update(0, "modal analysis");
@@ -187,7 +186,8 @@ Result<Recording> render(const Scene& scene, const RenderJob& job) {
   options.height = scene.video.height;
   options.supersample = scene.video.supersample;
   options.slab_thickness = scene.surface.thickness;
-  auto renderer = render::Renderer::create(**surface, options);
+  options.roughness = surface->roughness;
+  auto renderer = render::Renderer::create(*surface->surface, options);
   if (!renderer) return tl::unexpected(renderer.error());
   auto video = VideoWriter::create(job.output, scene.video.width, scene.video.height, scene.video.fps);
   if (!video) return tl::unexpected(video.error());
@@ -208,7 +208,7 @@ Result<Recording> render(const Scene& scene, const RenderJob& job) {
   outputs.wrote(outputs.with(".wav"));
   if (auto joined = (*video)->finish(outputs.with(".wav")); !joined) return tl::unexpected(joined.error());
   outputs.wrote(job.output);
-  recording.notes = std::move(notes);
+  recording.notes = surface->notes;
   recording.key_frames = std::move(pictures.key_frames());
   recording.costs.push_back(pictures.cost().summary({"picture", fmt::format("{}x{} frame", scene.video.width, scene.video.height), 1.0 / scene.video.fps}));
   recording.peak_memory_bytes = peak_memory_bytes();

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "intaglio/core/file.h"
+#include "intaglio/core/material_reader.h"
 #include "intaglio/core/toml_reader.h"
 
 namespace intaglio::session {
@@ -18,35 +19,6 @@ Range at_least_zero(const char* says, double high = unbounded) { return {0, high
 void read_direction(TomlReader& r, const char* key, Vec3& direction) {
   r.vector(key, direction);
   if (direction.norm() < 1e-9 || direction.norm() > 1e9) r.fail_at(key, std::string(key) + " has no direction", "give a vector that is not zero");
-}
-
-// A built-in material by name, with any of its values overridden:
-//   material = "steel"     or     material = { name = "steel", rayleigh_alpha = 20 }
-void read_material(TomlReader& reader, const char* key, Material& material) {
-  const auto by_name = [&](TomlReader& at, const char* name_key, const std::string& name) {
-    const auto found = find_material(name);
-    if (found) material = *found;
-    else at.fail_at(name_key, found.error().what, found.error().fix);
-  };
-  if (!reader.is_table(key)) {
-    std::string name = material.name;
-    reader.text(key, name);
-    if (name != material.name) by_name(reader, key, name);
-    return;
-  }
-  reader.table(key, [&](TomlReader& r) {
-    std::string name = material.name;
-    r.text("name", name);
-    if (name != material.name) by_name(r, "name", name);
-    r.number("density", material.density, positive("a density must be greater than 0 kg/m^3", 1e6));
-    r.number("youngs_modulus", material.youngs_modulus, positive("a Young's modulus must be greater than 0 Pa", 1e15));
-    r.number("poisson_ratio", material.poisson_ratio, {-0.9, 0.49, false, "a Poisson ratio must be between -0.9 and 0.49"});
-    r.number("rayleigh_alpha", material.rayleigh_alpha, at_least_zero("alpha must be at least 0 1/s"));
-    r.number("rayleigh_beta", material.rayleigh_beta, at_least_zero("beta must be at least 0 s"));
-    r.number("friction", material.friction, at_least_zero("friction must be between 0 and 10", 10));
-    r.number("restitution", material.restitution, at_least_zero("restitution must be between 0 and 1", 1));
-    r.number("rolling_resistance", material.rolling_resistance, at_least_zero("rolling resistance must be between 0 and 1", 1));
-  });
 }
 
 void read_surface(TomlReader& r, SurfaceScene& surface) {
@@ -83,7 +55,11 @@ void read_surface(TomlReader& r, SurfaceScene& surface) {
   int representation = static_cast<int>(surface.representation);
   r.choice("representation", {"flat", "normal", "relief"}, representation);
   surface.representation = static_cast<Representation>(representation);
-  read_material(r, "material", surface.material);
+  if (r.has("material")) {
+    read_material(r, "material", surface.material.emplace(*find_material("brick")));
+  } else {
+    r.optional_key("material");
+  }
 }
 
 void read_physics(TomlReader& r, PhysicsScene& physics) {

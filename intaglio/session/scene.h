@@ -18,7 +18,7 @@
 namespace intaglio::session {
 
 struct SurfaceScene {
-  std::string texture = "brick";  // "brick" is built in; else an image or folder, relative to the scene file
+  std::string texture = "brick";  // a built-in name, a recipe (.toml), an image or a folder, relative to the working folder
   std::optional<surface::Green> green;
   std::optional<surface::Polarity> polarity;
   surface::Edge edge = surface::Edge::wrap;
@@ -29,7 +29,7 @@ struct SurfaceScene {
   Vec3 position = Vec3::Zero();    // m, of the middle
   Vec3 rotation = Vec3::Zero();    // degrees about X, then Y, then Z
   Representation representation = Representation::relief;
-  Material material = *find_material("brick");
+  std::optional<Material> material;  // unset: the built-in texture's own, else brick
 };
 
 struct PhysicsScene {

@@ -6,8 +6,12 @@
 #include <map>
 #include <numbers>
 
+#include "intaglio/core/file.h"
 #include "intaglio/sound/fem/shapes.h"
 #include "intaglio/sound/level.h"
+#include "intaglio/surface/builtin/builtin.h"
+#include "intaglio/surface/import.h"
+#include "intaglio/surface/maps.h"
 
 namespace intaglio::session {
 
@@ -35,12 +39,45 @@ int servo_rate(const Scene& scene) { return scene.pen ? static_cast<int>(scene.p
 
 }  // namespace
 
-Result<std::shared_ptr<const surface::Surface>> make_surface(const Scene& scene, std::vector<std::string>* notes) {
+namespace {
+
+constexpr int builtin_texels = 512;
+
+// The recipe that the scene's texture names: built in, or a file of the user's. None: it names images.
+Result<std::optional<surface::BuiltinRecipe>> find_recipe(const std::string& texture) {
+  std::error_code ignored;
+  const std::filesystem::path path(texture);
+  if (path.extension() == ".toml") {
+    const auto bytes = read_file(path, 1u << 20);
+    if (!bytes) return tl::unexpected(bytes.error());
+    auto recipe = surface::parse_builtin({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, texture);
+    if (!recipe) return tl::unexpected(recipe.error());
+    return std::move(*recipe);
+  }
+  if (std::filesystem::exists(path, ignored) || path.has_parent_path() || path.has_extension()) return std::nullopt;
+  auto recipe = surface::find_builtin(texture);
+  if (!recipe) return tl::unexpected(recipe.error());
+  return std::move(*recipe);
+}
+
+}  // namespace
+
+Result<SceneSurface> make_surface(const Scene& scene) {
   const SurfaceScene& from = scene.surface;
+  SceneSurface out;
+  out.material = *find_material("brick");
   surface::Texels texels;
-  double depth = from.depth.value_or(0.02 * from.size.x());
-  if (from.texture == "brick") {
-    texels = surface::to_texels(surface::make_brick({}));
+  double depth = 0;
+  auto recipe = find_recipe(from.texture);
+  if (!recipe) return tl::unexpected(recipe.error());
+  if (*recipe) {
+    const surface::BuiltinMaterial& about = (*recipe)->about;
+    texels = surface::to_texels(surface::make_texture(**recipe, builtin_texels));
+    out.material = about.material;
+    out.roughness = about.roughness;
+    depth = about.depth_fraction * from.size.x();
+    if (from.depth) surface::rescale_normals(texels.normal, *from.depth / depth);
+    depth = from.depth.value_or(depth);
   } else {
     surface::ImportOptions options;
     options.green = from.green;
@@ -50,25 +87,26 @@ Result<std::shared_ptr<const surface::Surface>> make_surface(const Scene& scene,
     if (from.depth) options.depth_fraction = *from.depth / from.size.x();
     auto imported = surface::import_texture(from.texture, options);
     if (!imported) return tl::unexpected(imported.error());
-    if (notes != nullptr) {
-      *notes = imported->notes;
-      for (const std::string& warning : imported->warnings) notes->push_back("warning: " + warning);
-    }
+    out.notes = imported->notes;
+    for (const std::string& warning : imported->warnings) out.notes.push_back("warning: " + warning);
     depth = imported->depth_fraction * from.size.x();
     texels = std::move(imported->texels);
   }
+  if (from.material) out.material = *from.material;
   if (texels.depth.empty() && from.representation == Representation::relief) {
     return fail(from.texture, "has normals but no depth", "take maps = \"fused\", give a height map too, or use --representation normal");
   }
   const surface::Placement placement(from.position, rotation_of(from.rotation), from.size.x(), from.size.y());
-  return std::make_shared<const surface::Surface>(std::move(texels), placement, depth, from.edge);
+  out.surface = std::make_shared<const surface::Surface>(std::move(texels), placement, depth, from.edge);
+  return out;
 }
 
-Simulation::Simulation(const Scene& scene, std::shared_ptr<const surface::Surface> surface)
+Simulation::Simulation(const Scene& scene, const SceneSurface& surface)
     : scene_(scene),
-      surface_(std::move(surface)),
+      surface_(surface.surface),
+      floor_material_(surface.material),
       clock_({scene.physics.rate, servo_rate(scene), scene.sound.sample_rate, scene.video.fps}),
-      world_(surface_, scene.surface.material, {scene.surface.representation, scene.physics.method, scene.physics.gravity, 1.0 / scene.physics.rate}),
+      world_(surface_, floor_material_, {scene.surface.representation, scene.physics.method, scene.physics.gravity, 1.0 / scene.physics.rate}),
       block_(block_size) {
   recording_.title = scene.title;
   recording_.duration = scene.duration;
@@ -86,8 +124,8 @@ Simulation::Simulation(const Scene& scene, std::shared_ptr<const surface::Surfac
   }
 }
 
-Result<std::unique_ptr<Simulation>> Simulation::create(const Scene& scene, std::shared_ptr<const surface::Surface> surface) {
-  std::unique_ptr<Simulation> simulation(new Simulation(scene, std::move(surface)));
+Result<std::unique_ptr<Simulation>> Simulation::create(const Scene& scene, const SceneSurface& surface) {
+  std::unique_ptr<Simulation> simulation(new Simulation(scene, surface));
   if (auto baked = simulation->bake(); !baked) return tl::unexpected(baked.error());
   return simulation;
 }
@@ -143,7 +181,7 @@ void Simulation::bake_floor(Bakery& bakery) const {
   constexpr int cells = 24;
   const auto along = [&](double side) { return std::clamp(static_cast<int>(std::lround(cells * side / slab.size.maxCoeff())), 2, cells); };
   const auto mesh = [&] { return sound::box({slab.size.x(), slab.thickness, slab.size.y()}, along(slab.size.x()), 1, along(slab.size.y())); };
-  bakery.add(floor, "floor", "slab", mesh, slab.material);
+  bakery.add(floor, "floor", "slab", mesh, floor_material_);
 }
 
 Result<void> Simulation::bake() {

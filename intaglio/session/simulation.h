@@ -18,8 +18,14 @@
 
 namespace intaglio::session {
 
-// The scene's texture on its rectangle. `notes` receives what import found, a line each.
-Result<std::shared_ptr<const surface::Surface>> make_surface(const Scene& scene, std::vector<std::string>* notes);
+// The scene's texture on its rectangle, and what it is made of.
+struct SceneSurface {
+  std::shared_ptr<const surface::Surface> surface;
+  Material material;
+  double roughness = 0.55;         // for the renderer, 0..1
+  std::vector<std::string> notes;  // what import found, a line each
+};
+Result<SceneSurface> make_surface(const Scene& scene);
 
 // Where everything is, for one picture.
 struct Snapshot {
@@ -31,7 +37,7 @@ struct Snapshot {
 class Simulation {
  public:
   // Bakes the modal models (seconds).
-  static Result<std::unique_ptr<Simulation>> create(const Scene& scene, std::shared_ptr<const surface::Surface> surface);
+  static Result<std::unique_ptr<Simulation>> create(const Scene& scene, const SceneSurface& surface);
 
   // Runs everything that is due before or at frame `index`, and shows where things are then.
   Snapshot advance_to_frame(std::int64_t index);
@@ -41,7 +47,7 @@ class Simulation {
   Recording& recording() { return recording_; }
 
  private:
-  Simulation(const Scene& scene, std::shared_ptr<const surface::Surface> surface);
+  Simulation(const Scene& scene, const SceneSurface& surface);
 
   class Bakery;
 
@@ -57,6 +63,7 @@ class Simulation {
 
   Scene scene_;
   std::shared_ptr<const surface::Surface> surface_;
+  Material floor_material_;
   Clock clock_;
   dynamics::World world_;
   std::optional<haptics::SimulatedDevice> device_;

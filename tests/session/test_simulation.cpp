@@ -14,7 +14,7 @@ Recording run(const std::string& text) {
   auto scene = parse_scene(text, "s.toml");
   REQUIRE_MESSAGE(scene, (scene ? "" : scene.error().message()));
   scene->sound.modes = 30;
-  auto surface = make_surface(*scene, nullptr);
+  auto surface = make_surface(*scene);
   REQUIRE(surface);
   auto simulation = Simulation::create(*scene, *surface);
   REQUIRE(simulation);

@@ -1,0 +1,58 @@
+#include "intaglio/surface/builtin/fractal.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "intaglio/surface/noise.h"
+
+namespace intaglio::surface {
+
+Fractal::Fractal(int frequency_u, int frequency_v, int octaves, double gain, std::uint64_t seed) {
+  double level = 1;
+  for (int o = 0; o < octaves; ++o) {
+    Octave octave{frequency_u << o, frequency_v << o, level, {}};
+    octave.gradients.reserve(std::size_t(octave.columns) * std::size_t(octave.rows));
+    for (int j = 0; j < octave.rows; ++j) {
+      for (int i = 0; i < octave.columns; ++i) {
+        const double angle = 2 * std::numbers::pi * lattice_hash(i, j, seed + static_cast<std::uint64_t>(o));
+        octave.gradients.push_back({std::cos(angle), std::sin(angle)});
+      }
+    }
+    octaves_.push_back(std::move(octave));
+    total_ += level;
+    level *= gain;
+  }
+}
+
+double Fractal::noise(const Octave& octave, double u, double v) {
+  const double x = (u - std::floor(u)) * octave.columns;
+  const double y = (v - std::floor(v)) * octave.rows;
+  const int i = static_cast<int>(x);
+  const int j = static_cast<int>(y);
+  // u - floor(u) of a tiny negative u rounds to 1.
+  const int i0 = i < octave.columns ? i : 0, i1 = i + 1 < octave.columns ? i + 1 : 0;
+  const int j0 = j < octave.rows ? j : 0, j1 = j + 1 < octave.rows ? j + 1 : 0;
+  const double fx = x - i;
+  const double fy = y - j;
+  const auto corner = [&](int column, int row, double dx, double dy) {
+    const Gradient& g =
+        octave.gradients[std::size_t(row) * std::size_t(octave.columns) + std::size_t(column)];
+    return g.x * dx + g.y * dy;
+  };
+  const auto fade = [](double t) { return t * t * t * (t * (t * 6 - 15) + 10); };
+  const double s = fade(fx);
+  const double t = fade(fy);
+  const double low0 = corner(i0, j0, fx, fy);
+  const double high0 = corner(i0, j1, fx, fy - 1);
+  const double low = low0 + s * (corner(i1, j0, fx - 1, fy) - low0);
+  const double high = high0 + s * (corner(i1, j1, fx - 1, fy - 1) - high0);
+  return std::numbers::sqrt2 * (low + t * (high - low));
+}
+
+double Fractal::operator()(double u, double v) const {
+  double sum = 0;
+  for (const Octave& octave : octaves_) sum += octave.level * noise(octave, u, v);
+  return sum / total_;
+}
+
+}  // namespace intaglio::surface
