@@ -1,6 +1,8 @@
-// A verb of the `intaglio` command: adds its options to the parser and, when chosen, runs and returns the exit code.
+// A verb of the `intaglio` command: adds its options to the parser and, when chosen, runs and returns the
+// exit code.
 //
-// Exit codes: 0 done; 1 the work failed (a file, a device, a bad scene); 2 the command line is wrong; 130 interrupted.
+// Exit codes: 0 done; 1 the work failed (a file, a device, a bad scene); 2 the command line is wrong; 130
+// interrupted.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -15,7 +15,7 @@ struct ContactPoint {
   Vec3 n_s = Vec3::UnitY();     // unit, normal of the map there
   double distance = 0;          // gap; negative = penetration
   Vec2 uv = Vec2::Zero();
-  std::uint64_t feature = 0;    // names what is touched; the same from step to step while it is the same
+  std::uint64_t feature = 0;  // names what is touched; the same from step to step while it is the same
 };
 
 // Up to four contact points (what Bullet's manifold holds), deepest first.

@@ -18,10 +18,13 @@ std::uint64_t feature_id(int i, int j) {
 }
 
 // A single contact with the base plane, before any texture changes it.
-bool touches_plane(const surface::Surface& surface, const Sphere& sphere, double margin, Vec3& local, ContactPoint& contact) {
+bool touches_plane(const surface::Surface& surface, const Sphere& sphere, double margin, Vec3& local,
+                   ContactPoint& contact) {
   const surface::Placement& place = surface.placement();
   local = place.to_local(sphere.centre);
-  if (!local.allFinite() || !place.covers(local) || local.z() - sphere.radius > margin || local.z() < -sphere.radius) return false;
+  if (!local.allFinite() || !place.covers(local) || local.z() - sphere.radius > margin ||
+      local.z() < -sphere.radius)
+    return false;
   contact.uv = place.uv(local);
   contact.distance = local.z() - sphere.radius;
   contact.normal = place.n();
@@ -43,8 +46,12 @@ ContactSet relief_contacts(const surface::Surface& surface, const Sphere& sphere
     const surface::Feature& feature = features[k];
     if (!place.covers(feature.point)) continue;  // the texture goes on, the rectangle does not
     const Vec2 uv = place.uv(feature.point);
-    set.points[set.count++] = {place.to_world(feature.point), place.direction_to_world(feature.direction), surface.world_normal(uv),
-                               feature.distance - sphere.radius, uv, feature_id(feature.cell_i, feature.cell_j)};
+    set.points[set.count++] = {place.to_world(feature.point),
+                               place.direction_to_world(feature.direction),
+                               surface.world_normal(uv),
+                               feature.distance - sphere.radius,
+                               uv,
+                               feature_id(feature.cell_i, feature.cell_j)};
   }
   return set;
 }
@@ -72,7 +79,8 @@ ContactSet directional_contacts(const surface::Surface& surface, const Sphere& s
       found[quadrant] = true;
       const Vec2 uv = place.uv({x, y, 0});
       const Vec3 n_s = surface.world_normal(uv);
-      deepest[quadrant] = {place.to_world({x, y, surface.texel_z(i, j)}), n_s, n_s, distance, uv, feature_id(i, j)};
+      deepest[quadrant] = {
+          place.to_world({x, y, surface.texel_z(i, j)}), n_s, n_s, distance, uv, feature_id(i, j)};
     }
   }
   for (std::size_t q = 0; q < deepest.size(); ++q) {

@@ -1,7 +1,8 @@
 // One SI clock for a session, shared by loops of different rates.
 //
-// Time is counted in whole ticks of 1 / lcm(all rates) seconds, so that "the 147th audio sample" and "the 160th servo
-// tick" fall in the right order and no loop drifts, however long the session. Rates are whole hertz.
+// Time is counted in whole ticks of 1 / lcm(all rates) seconds, so that "the 147th audio sample" and "the
+// 160th servo tick" fall in the right order and no loop drifts, however long the session. Rates are whole
+// hertz.
 #pragma once
 
 #include <cassert>

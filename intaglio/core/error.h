@@ -1,5 +1,5 @@
-// Errors at the edges (files, network, command line) are values: Result<T> holds a T or an Error that reads as one
-// line and says where, what is wrong, and what would be right. Programming errors are asserts.
+// Errors at the edges (files, network, command line) are values: Result<T> holds a T or an Error that reads
+// as one line and says where, what is wrong, and what would be right. Programming errors are asserts.
 #pragma once
 
 #include <fmt/format.h>
@@ -26,7 +26,8 @@ inline tl::unexpected<Error> fail(std::string where, std::string what, std::stri
   return tl::unexpected<Error>(Error{std::move(where), std::move(what), std::move(fix)});
 }
 
-// The candidate that is most like `word` (least edit distance), for "did you mean". Empty when nothing is near.
+// The candidate that is most like `word` (least edit distance), for "did you mean". Empty when nothing is
+// near.
 template <class Range>
 std::string nearest_name(const std::string& word, const Range& candidates);
 

@@ -14,9 +14,9 @@ enum class ContactPhase : std::uint8_t { begin, persist, end };
 
 // One step of one contact between `body` and the textured surface of `other`. SI units, world frame.
 struct ContactEvent {
-  double time = 0;              // s, the instant of the impulse, not of the frame that noticed it
-  BodyId body = 0;              // the moving body (ball, pen)
-  BodyId other = floor_body;    // the textured body
+  double time = 0;            // s, the instant of the impulse, not of the frame that noticed it
+  BodyId body = 0;            // the moving body (ball, pen)
+  BodyId other = floor_body;  // the textured body
   ContactPhase phase = ContactPhase::begin;
   Vec3 point = Vec3::Zero();    // m
   Vec2 uv = Vec2::Zero();       // where on the texture, 0..1

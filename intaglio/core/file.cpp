@@ -14,22 +14,28 @@ namespace {
 
 using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
-File open_file(const fs::path& path, const char* mode) { return {std::fopen(path.c_str(), mode), std::fclose}; }
+File open_file(const fs::path& path, const char* mode) {
+  return {std::fopen(path.c_str(), mode), std::fclose};
+}
 
 tl::unexpected<Error> absent(const fs::path& path) {
   std::vector<std::string> names;
   std::error_code ignored;
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  for (const auto& entry : fs::directory_iterator(folder, ignored)) names.push_back(entry.path().filename().string());
+  for (const auto& entry : fs::directory_iterator(folder, ignored))
+    names.push_back(entry.path().filename().string());
   const std::string nearest = nearest_name(path.filename().string(), names);
-  return fail(path.string(), "no such file", nearest.empty() ? "" : "did you mean " + (folder / nearest).string() + "?");
+  return fail(path.string(), "no such file",
+              nearest.empty() ? "" : "did you mean " + (folder / nearest).string() + "?");
 }
 
 Result<void> make_folder(const fs::path& path) {
   if (!path.has_parent_path()) return {};
   std::error_code error;
   fs::create_directories(path.parent_path(), error);
-  if (error) return fail(path.string(), "cannot create its folder: " + error.message(), "name a folder you may write to");
+  if (error)
+    return fail(path.string(), "cannot create its folder: " + error.message(),
+                "name a folder you may write to");
   return {};
 }
 
@@ -41,12 +47,14 @@ Result<std::vector<std::uint8_t>> read_file(const fs::path& path, std::uintmax_t
   if (fs::is_directory(path, error)) return fail(path.string(), "is a folder", "name a file");
   const std::uintmax_t size = fs::file_size(path, error);
   if (error) return fail(path.string(), "cannot be read: " + error.message());
-  if (size > limit) return fail(path.string(), fmt::format("has {} bytes", size), fmt::format("at most {} are read", limit));
+  if (size > limit)
+    return fail(path.string(), fmt::format("has {} bytes", size), fmt::format("at most {} are read", limit));
   const File file = open_file(path, "rb");
   if (!file) return fail(path.string(), std::string("cannot be opened: ") + std::strerror(errno));
   std::vector<std::uint8_t> bytes(size);
   bytes.resize(std::fread(bytes.data(), 1, bytes.size(), file.get()));
-  if (bytes.size() != size) return fail(path.string(), fmt::format("only {} of {} bytes could be read", bytes.size(), size));
+  if (bytes.size() != size)
+    return fail(path.string(), fmt::format("only {} of {} bytes could be read", bytes.size(), size));
   return bytes;
 }
 
@@ -71,7 +79,9 @@ Result<void> write_file(const fs::path& path, std::span<const std::uint8_t> byte
   if (auto made = make_folder(path); !made) return made;
   const fs::path temporary = temporary_for(path);
   File file = open_file(temporary, "wb");
-  if (!file) return fail(path.string(), std::string("cannot be written: ") + std::strerror(errno), "name a place you may write to");
+  if (!file)
+    return fail(path.string(), std::string("cannot be written: ") + std::strerror(errno),
+                "name a place you may write to");
   const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size();
   const bool closed = std::fclose(file.release()) == 0;  // a full disk is often noticed only here
   std::error_code error;

@@ -1,5 +1,5 @@
-// Whole files, read and written without surprises: a write goes to a temporary beside the target and is renamed into
-// place, so that a failure leaves no half-written output.
+// Whole files, read and written without surprises: a write goes to a temporary beside the target and is
+// renamed into place, so that a failure leaves no half-written output.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,10 @@
 
 namespace intaglio {
 
-// The bytes of a regular file. Errors: absent (with the nearest name in its folder), a folder, unreadable, larger than `limit`.
-Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path, std::uintmax_t limit = 1u << 30);
+// The bytes of a regular file. Errors: absent (with the nearest name in its folder), a folder, unreadable,
+// larger than `limit`.
+Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path,
+                                            std::uintmax_t limit = 1u << 30);
 
 // Writes all of `bytes` or nothing. Creates the folder.
 Result<void> write_file(const std::filesystem::path& path, std::span<const std::uint8_t> bytes);
@@ -23,7 +25,8 @@ Result<void> write_file(const std::filesystem::path& path, std::string_view text
 // The temporary that stands for `path` while it is being written.
 std::filesystem::path temporary_for(const std::filesystem::path& path);
 
-// Makes sure, before any long work, that `path` can be written: creates its folder and a temporary, and removes the latter.
+// Makes sure, before any long work, that `path` can be written: creates its folder and a temporary, and
+// removes the latter.
 Result<void> check_writable(const std::filesystem::path& path);
 
 }  // namespace intaglio

@@ -20,10 +20,8 @@ class Hash {
 
   // Hashes the object's bytes: only for types without padding.
   template <class T>
-    requires std::has_unique_object_representations_v<T> || std::is_floating_point_v<T>
-  void add(const T& value) {
-    add_bytes(&value, sizeof value);
-  }
+  requires std::has_unique_object_representations_v<T> || std::is_floating_point_v<T>
+  void add(const T& value) { add_bytes(&value, sizeof value); }
   template <class T>
   void add(std::span<const T> values) {
     add_bytes(values.data(), values.size_bytes());

@@ -19,7 +19,8 @@ struct Image {
   std::vector<T> data;  // height x width x channels
 
   Image() = default;
-  Image(int w, int h, int c) : width(w), height(h), channels(c), data(std::size_t(w) * std::size_t(h) * std::size_t(c)) {}
+  Image(int w, int h, int c)
+      : width(w), height(h), channels(c), data(std::size_t(w) * std::size_t(h) * std::size_t(c)) {}
 
   T& at(int x, int y, int c) { return data[index(x, y, c)]; }
   const T& at(int x, int y, int c) const { return data[index(x, y, c)]; }

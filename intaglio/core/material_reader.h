@@ -1,5 +1,6 @@
 // A material in a TOML file: a built-in name, or a table that overrides parts of one.
-//   material = "steel"     or     material = { name = "steel", rayleigh_alpha = 20, micro = { rms_height = 1e-6 } }
+//   material = "steel"     or     material = { name = "steel", rayleigh_alpha = 20, micro = { rms_height =
+//   1e-6 } }
 #pragma once
 
 #include "intaglio/core/material.h"

@@ -1,5 +1,5 @@
-// SplitMix64: a small seeded generator whose stream is the same on every platform (the distributions of <random> are
-// not). Source: Steele, Lea, Flood, "Fast splittable pseudorandom number generators", 2014.
+// SplitMix64: a small seeded generator whose stream is the same on every platform (the distributions of
+// <random> are not). Source: Steele, Lea, Flood, "Fast splittable pseudorandom number generators", 2014.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,5 @@
-// How a surface's texture is taken by every sense: not at all, by its normals alone, or by its depth and normals.
+// How a surface's texture is taken by every sense: not at all, by its normals alone, or by its depth and
+// normals.
 #pragma once
 
 namespace intaglio {

@@ -1,6 +1,6 @@
-// Strict reading of TOML tables: each key is asked for with its type, range and default; whatever was not asked for is an
-// error that names its line and the nearest known key. The first error wins and later reads are harmless, so that a scene
-// reads as a plain list of its keys.
+// Strict reading of TOML tables: each key is asked for with its type, range and default; whatever was not
+// asked for is an error that names its line and the nearest known key. The first error wins and later reads
+// are harmless, so that a scene reads as a plain list of its keys.
 #pragma once
 
 #include <functional>
@@ -15,8 +15,9 @@
 
 #define TOML_HEADER_ONLY 1
 #define TOML_EXCEPTIONS 0
-// toml++ 3.3 tells its compiler that a bare character from U+00A1 to U+0499 cannot occur where white space may stand. In a file
-// from a user it can; make that "no, it is not white space" instead of undefined behaviour. (fuzz/seeds/scene/beyond_ascii.toml)
+// toml++ 3.3 tells its compiler that a bare character from U+00A1 to U+0499 cannot occur where white space
+// may stand. In a file from a user it can; make that "no, it is not white space" instead of undefined
+// behaviour. (fuzz/seeds/scene/beyond_ascii.toml)
 #include <toml++/impl/forward_declarations.h>
 #undef TOML_UNREACHABLE
 #define TOML_UNREACHABLE return false
@@ -33,13 +34,14 @@ Result<toml::table> parse_toml(std::string_view text, const std::string& name);
 // What a number must be.
 struct Range {
   double low, high;
-  bool low_open;          // low itself is not allowed
-  const char* says;       // "a mass must be greater than 0 kg"
+  bool low_open;     // low itself is not allowed
+  const char* says;  // "a mass must be greater than 0 kg"
 };
 
 class TomlReader {
  public:
-  // `name` is the file, for errors; `error` collects the first one. `path` is the table's own name ("ball", "pen.hand").
+  // `name` is the file, for errors; `error` collects the first one. `path` is the table's own name ("ball",
+  // "pen.hand").
   TomlReader(const toml::table& table, std::string name, std::string path, std::optional<Error>& error)
       : table_(table), name_(std::move(name)), path_(std::move(path)), error_(error) {}
 

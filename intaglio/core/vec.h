@@ -1,6 +1,7 @@
 // Vectors and rotations: Eigen's, in double, under the project's names.
 //
-// World: right-handed, metres, Y up. Tangent frame of a surface: t along +u, b along +v, n out of the surface.
+// World: right-handed, metres, Y up. Tangent frame of a surface: t along +u, b along +v, n out of the
+// surface.
 #pragma once
 
 #include <Eigen/Core>

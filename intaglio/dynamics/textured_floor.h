@@ -1,4 +1,5 @@
-// The textured rectangle as a Bullet shape, and the algorithm that lets Bullet's dispatcher meet spheres with it.
+// The textured rectangle as a Bullet shape, and the algorithm that lets Bullet's dispatcher meet spheres with
+// it.
 //
 // Internal to dynamics/: includes Bullet.
 #pragma once
@@ -17,17 +18,22 @@ namespace intaglio::dynamics {
 inline btVector3 to_bullet(const Vec3& v) {
   return {static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z())};
 }
-inline Vec3 from_bullet(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
+inline Vec3 from_bullet(const btVector3& v) {
+  return {v.x(), v.y(), v.z()};
+}
 
-// Speed of approach, m/s, below which a contact does not bounce: what gravity adds in two steps, or resting contacts would
-// chatter.
-inline double bounce_speed(const WorldOptions& options) { return std::max(0.02, 2 * options.gravity.norm() * options.step); }
+// Speed of approach, m/s, below which a contact does not bounce: what gravity adds in two steps, or resting
+// contacts would chatter.
+inline double bounce_speed(const WorldOptions& options) {
+  return std::max(0.02, 2 * options.gravity.norm() * options.step);
+}
 
 class TexturedFloor : public btConcaveShape {
  public:
   TexturedFloor(std::shared_ptr<const surface::Surface> surface, const WorldOptions& options);
 
-  // Where a sphere touches, by the chosen representation and method. Remembered until the next query for that body.
+  // Where a sphere touches, by the chosen representation and method. Remembered until the next query for that
+  // body.
   const contact::ContactSet& query(int body, const Vec3& centre, double radius, double margin);
   const contact::ContactSet& last(int body) const { return last_[static_cast<std::size_t>(body)]; }
   const surface::Surface& surface() const { return *surface_; }

@@ -12,7 +12,9 @@
 
 namespace intaglio::dynamics {
 
-double SphereBody::mass() const { return material.density * 4.0 / 3.0 * std::numbers::pi * radius * radius * radius; }
+double SphereBody::mass() const {
+  return material.density * 4.0 / 3.0 * std::numbers::pi * radius * radius * radius;
+}
 
 namespace {
 
@@ -47,7 +49,8 @@ struct World::State {
   std::int64_t steps = 0;
   double momentum_residual = 0;
 
-  State(std::shared_ptr<const surface::Surface> s, const WorldOptions& o) : options(o), surface(s), floor_shape(std::move(s), o) {}
+  State(std::shared_ptr<const surface::Surface> s, const WorldOptions& o)
+      : options(o), surface(s), floor_shape(std::move(s), o) {}
 
   ~State() {
     for (Body& body : bodies) world.removeRigidBody(body.rigid.get());
@@ -66,7 +69,8 @@ struct World::State {
   void audit();
 };
 
-World::World(std::shared_ptr<const surface::Surface> floor, const Material& floor_material, const WorldOptions& options)
+World::World(std::shared_ptr<const surface::Surface> floor, const Material& floor_material,
+             const WorldOptions& options)
     : state_(std::make_unique<State>(std::move(floor), options)) {
   State& s = *state_;
   register_algorithms(s.dispatcher);
@@ -116,9 +120,11 @@ void World::step() {
   s.world.stepSimulation(static_cast<btScalar>(s.options.step), 0);
   ++s.steps;
   s.events.clear();
-  for (int m = 0; m < s.dispatcher.getNumManifolds(); ++m) s.collect(*s.dispatcher.getManifoldByIndexInternal(m));
+  for (int m = 0; m < s.dispatcher.getNumManifolds(); ++m)
+    s.collect(*s.dispatcher.getManifoldByIndexInternal(m));
   // Manifolds come in the order of Bullet's broad phase; events in the order of bodies.
-  std::stable_sort(s.events.begin(), s.events.end(), [](const ContactEvent& a, const ContactEvent& b) { return a.body < b.body; });
+  std::stable_sort(s.events.begin(), s.events.end(),
+                   [](const ContactEvent& a, const ContactEvent& b) { return a.body < b.body; });
   s.audit();
 }
 
@@ -128,7 +134,8 @@ Pose World::State::pose(const Body& body) const {
   return {from_bullet(t.getOrigin()), Quat(q.w(), q.x(), q.y(), q.z()).normalized()};
 }
 
-ContactEvent World::State::event(const Body& body, const contact::ContactPoint& contact, const Vec3& impulse) const {
+ContactEvent World::State::event(const Body& body, const contact::ContactPoint& contact,
+                                 const Vec3& impulse) const {
   const Vec3 n_g = surface->placement().n();
   const Vec3 velocity = from_bullet(body.rigid->getLinearVelocity());
   ContactEvent event;
@@ -153,7 +160,8 @@ void World::State::collect(const btPersistentManifold& manifold) {
   bool touching = false;
   for (int p = 0; p < manifold.getNumContacts(); ++p) {
     const btManifoldPoint& point = manifold.getContactPoint(p);
-    // Not "normal impulse > 0": Bullet's solver may leave friction on a contact whose normal impulse ended at zero.
+    // Not "normal impulse > 0": Bullet's solver may leave friction on a contact whose normal impulse ended at
+    // zero.
     const Vec3 impulse = impulse_of(point);
     if (impulse.isZero()) continue;
     touching = true;
@@ -182,12 +190,26 @@ void World::State::audit() {
   }
 }
 
-std::span<const ContactEvent> World::events() const { return state_->events; }
-double World::time() const { return state_->time(); }
-std::size_t World::body_count() const { return state_->bodies.size(); }
-Pose World::pose(BodyId body) const { return state_->pose(state_->body(body)); }
-Vec3 World::velocity(BodyId body) const { return from_bullet(state_->body(body).rigid->getLinearVelocity()); }
-Vec3 World::angular_velocity(BodyId body) const { return from_bullet(state_->body(body).rigid->getAngularVelocity()); }
-double World::momentum_residual() const { return state_->momentum_residual; }
+std::span<const ContactEvent> World::events() const {
+  return state_->events;
+}
+double World::time() const {
+  return state_->time();
+}
+std::size_t World::body_count() const {
+  return state_->bodies.size();
+}
+Pose World::pose(BodyId body) const {
+  return state_->pose(state_->body(body));
+}
+Vec3 World::velocity(BodyId body) const {
+  return from_bullet(state_->body(body).rigid->getLinearVelocity());
+}
+Vec3 World::angular_velocity(BodyId body) const {
+  return from_bullet(state_->body(body).rigid->getAngularVelocity());
+}
+double World::momentum_residual() const {
+  return state_->momentum_residual;
+}
 
 }  // namespace intaglio::dynamics

@@ -1,8 +1,8 @@
 // Rigid bodies on one textured surface: a Bullet world whose contacts come from the texture.
 //
-// Fixed steps, deterministic: the same bodies and steps give the same motion. Not thread-safe; one thread at a time. Cost of a
-// step: about 3 us a body for Bullet itself, plus the contact query of its representation (contact/sphere.h). Bullet computes in
-// 32-bit floats: keep the scene within some metres of the origin.
+// Fixed steps, deterministic: the same bodies and steps give the same motion. Not thread-safe; one thread at
+// a time. Cost of a step: about 3 us a body for Bullet itself, plus the contact query of its representation
+// (contact/sphere.h). Bullet computes in 32-bit floats: keep the scene within some metres of the origin.
 #pragma once
 
 #include <memory>
@@ -41,7 +41,8 @@ struct SphereBody {
 
 class World {
  public:
-  World(std::shared_ptr<const surface::Surface> floor, const Material& floor_material, const WorldOptions& options);
+  World(std::shared_ptr<const surface::Surface> floor, const Material& floor_material,
+        const WorldOptions& options);
   ~World();
 
   // Bodies are numbered from 1; 0 is the floor.
@@ -57,8 +58,8 @@ class World {
   Vec3 velocity(BodyId body) const;
   Vec3 angular_velocity(BodyId body) const;
 
-  // The worst disagreement so far between the momentum a body gained in a step and the impulses reported for it (Eq. 1.1) plus
-  // gravity's, N s. Rounding only, when no contact is lost or counted twice.
+  // The worst disagreement so far between the momentum a body gained in a step and the impulses reported for
+  // it (Eq. 1.1) plus gravity's, N s. Rounding only, when no contact is lost or counted twice.
   double momentum_residual() const;
 
  private:

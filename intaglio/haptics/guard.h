@@ -1,8 +1,9 @@
-// The last step before any haptic device. A device takes a GuardedForce only, and only a Guard can make one, so that no code
-// path goes around it.
+// The last step before any haptic device. A device takes a GuardedForce only, and only a Guard can make one,
+// so that no code path goes around it.
 //
-// What it holds: at most `peak_force`; at most `slew_rate` of change; a ramp-in after contact is enabled; not-a-number becomes
-// zero force and latches a fault until rearm(). Real-time: no allocation, no lock, no exception; one Guard a device, one thread.
+// What it holds: at most `peak_force`; at most `slew_rate` of change; a ramp-in after contact is enabled;
+// not-a-number becomes zero force and latches a fault until rearm(). Real-time: no allocation, no lock, no
+// exception; one Guard a device, one thread.
 #pragma once
 
 #include <cstdint>
@@ -22,16 +23,17 @@ class GuardedForce {
 };
 
 struct GuardLimits {
-  double peak_force = 7.9;   // N, PHANToM Desktop
-  double slew_rate = 8000;   // N/s
-  double ramp_in = 0.5;      // s from enabling to full force
+  double peak_force = 7.9;  // N, PHANToM Desktop
+  double slew_rate = 8000;  // N/s
+  double ramp_in = 0.5;     // s from enabling to full force
 };
 
 namespace guard_status {
-inline constexpr std::uint32_t clamped = 1u << 0;   // larger than the peak force
-inline constexpr std::uint32_t slewed = 1u << 1;    // changed faster than the slew rate
-inline constexpr std::uint32_t ramping = 1u << 2;   // within the ramp-in
-inline constexpr std::uint32_t fault = 1u << 3;     // latched: not-a-number was asked for; zero force until rearm()
+inline constexpr std::uint32_t clamped = 1u << 0;  // larger than the peak force
+inline constexpr std::uint32_t slewed = 1u << 1;   // changed faster than the slew rate
+inline constexpr std::uint32_t ramping = 1u << 2;  // within the ramp-in
+inline constexpr std::uint32_t fault = 1u
+                                       << 3;  // latched: not-a-number was asked for; zero force until rearm()
 }  // namespace guard_status
 
 class Guard {

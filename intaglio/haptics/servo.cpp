@@ -18,7 +18,8 @@ PenServo::PenServo(std::shared_ptr<const surface::Surface> surface, const ServoO
     : surface_(std::move(surface)), options_(options), guard_(options.limits) {}
 
 ServoSample PenServo::refuse(Device& device, const Vec3& position, double dt) {
-  // The guard sees the bad number, so that it latches; the filter does not, so that rearm() brings back a sound state.
+  // The guard sees the bad number, so that it latches; the filter does not, so that rearm() brings back a
+  // sound state.
   started_ = false;
   velocity_.setZero();
   ServoSample sample;
@@ -50,9 +51,12 @@ ServoSample PenServo::tick(Device& device) {
   sample.touching = test.collides;
   sample.proxy = test.collides ? place.to_world(test.projected) : sample.tip;
   if (test.collides) {
-    sample.n_s = options_.representation == Representation::flat ? place.n() : surface_->world_normal(sample.uv);
-    // The spring lives in the device's workspace, so that its stiffness is what the hand feels whatever the scale.
-    const Plane plane = tangent_plane(options_.workspace.to_device(place.to_world(test.projected)), sample.n_s);
+    sample.n_s =
+        options_.representation == Representation::flat ? place.n() : surface_->world_normal(sample.uv);
+    // The spring lives in the device's workspace, so that its stiffness is what the hand feels whatever the
+    // scale.
+    const Plane plane =
+        tangent_plane(options_.workspace.to_device(place.to_world(test.projected)), sample.n_s);
     sample.wanted = plane_force(plane, options_.spring, position, velocity_);
   }
   const GuardedForce guarded = guard_.pass(sample.wanted, dt);

@@ -1,6 +1,7 @@
 // One tick of the haptic loop, the paper's way: plane, depth test, damped spring, guard, device.
 //
-// Real-time: tick() does not allocate, lock, log or throw, and samples the surface once (about 0.2 us). One thread.
+// Real-time: tick() does not allocate, lock, log or throw, and samples the surface once (about 0.2 us). One
+// thread.
 #pragma once
 
 #include <memory>
@@ -13,8 +14,8 @@
 
 namespace intaglio::haptics {
 
-// How the device's workspace lies in the world: world = origin + scale * device. Forces are felt at the device's scale: a
-// spring of K newtons a metre of *device* travel.
+// How the device's workspace lies in the world: world = origin + scale * device. Forces are felt at the
+// device's scale: a spring of K newtons a metre of *device* travel.
 struct WorkspaceMap {
   Vec3 origin = Vec3::Zero();  // m, world
   double scale = 1;            // world metres a device metre
@@ -28,20 +29,20 @@ struct ServoOptions {
   Spring spring;
   GuardLimits limits;
   WorkspaceMap workspace;
-  double rate = 1000;              // Hz
-  double velocity_cutoff = 60;     // Hz, of the filter on the differentiated encoders
+  double rate = 1000;           // Hz
+  double velocity_cutoff = 60;  // Hz, of the filter on the differentiated encoders
 };
 
 // What one tick found and did. World frame, SI.
 struct ServoSample {
-  Vec3 tip = Vec3::Zero();        // m
-  Vec3 velocity = Vec3::Zero();   // m/s, filtered
-  Vec3 proxy = Vec3::Zero();      // m, where the tip is shown: on the surface while it touches
-  Vec3 force = Vec3::Zero();      // N, as sent to the device
-  Vec3 wanted = Vec3::Zero();     // N, before the guard
-  Vec3 n_s = Vec3::UnitY();       // sampled normal
+  Vec3 tip = Vec3::Zero();       // m
+  Vec3 velocity = Vec3::Zero();  // m/s, filtered
+  Vec3 proxy = Vec3::Zero();     // m, where the tip is shown: on the surface while it touches
+  Vec3 force = Vec3::Zero();     // N, as sent to the device
+  Vec3 wanted = Vec3::Zero();    // N, before the guard
+  Vec3 n_s = Vec3::UnitY();      // sampled normal
   Vec2 uv = Vec2::Zero();
-  double surface_height = 0;      // m above the base plane, of the surface under the tip (<= 0)
+  double surface_height = 0;  // m above the base plane, of the surface under the tip (<= 0)
   bool touching = false;
   std::uint32_t guard_status = 0;
 };
@@ -51,9 +52,8 @@ struct DepthTest {
   Vec3 projected = Vec3::Zero();  // local; the point of the surface under the tip
 };
 
-// Whether the tip (local frame) collides, and the point of the surface under it: in relief only below the depth map, otherwise
-// below the base plane; never beside the rectangle.
-// §1.3.2, Sterling & Lin 2016
+// Whether the tip (local frame) collides, and the point of the surface under it: in relief only below the
+// depth map, otherwise below the base plane; never beside the rectangle. §1.3.2, Sterling & Lin 2016
 DepthTest depth_test(const surface::Surface& surface, Representation representation, const Vec3& tip_local);
 
 class PenServo {

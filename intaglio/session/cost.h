@@ -10,7 +10,8 @@
 
 namespace intaglio::session {
 
-// CPU time by a POSIX clock (pthread_getcpuclockid), of the calling thread, or of the whole process, in nanoseconds.
+// CPU time by a POSIX clock (pthread_getcpuclockid), of the calling thread, or of the whole process, in
+// nanoseconds.
 std::int64_t cpu_ns(clockid_t clock);
 std::int64_t thread_cpu_ns();
 std::int64_t process_cpu_ns();

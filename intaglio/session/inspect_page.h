@@ -7,10 +7,12 @@
 
 namespace intaglio::session {
 
-// One object; `green` is "+Y" or "-Y", or null without normals; `polarity` "height", "depth" or "none" (no height map).
+// One object; `green` is "+Y" or "-Y", or null without normals; `polarity` "height", "depth" or "none" (no
+// height map).
 std::string inspection_json(const surface::Inspection& inspection);
 
-// A self-contained page: the maps as they were understood, a relit preview, the slopes, and what suits the surface.
+// A self-contained page: the maps as they were understood, a relit preview, the slopes, and what suits the
+// surface.
 std::string inspection_html(const surface::Inspection& inspection, const std::string& title);
 
 }  // namespace intaglio::session

@@ -1,4 +1,5 @@
-// Event and servo logs as CSV: one header line, SI units in the column names, every digit that tells two doubles apart.
+// Event and servo logs as CSV: one header line, SI units in the column names, every digit that tells two
+// doubles apart.
 #pragma once
 
 #include <string>

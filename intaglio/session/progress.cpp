@@ -12,7 +12,11 @@ using std::chrono::duration;
 using std::chrono::steady_clock;
 
 Progress::Progress(std::string what, bool quiet)
-    : what_(std::move(what)), quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0), start_(steady_clock::now()), last_(start_) {}
+    : what_(std::move(what)),
+      quiet_(quiet),
+      terminal_(isatty(STDERR_FILENO) != 0),
+      start_(steady_clock::now()),
+      last_(start_) {}
 
 Progress::~Progress() {
   if (!quiet_ && terminal_ && last_fraction_ >= 0) fmt::print(stderr, "\n");
@@ -31,10 +35,14 @@ void Progress::update(double fraction, const std::string& detail) {
 
 void Progress::draw(double fraction, const std::string& detail) {
   const double elapsed = duration<double>(steady_clock::now() - start_).count();
-  const std::string left = fraction > 0.02 && fraction < 1 ? fmt::format("{:.0f} s left", elapsed / fraction * (1 - fraction)) : fmt::format("{:.0f} s", elapsed);
+  const std::string left = fraction > 0.02 && fraction < 1
+                               ? fmt::format("{:.0f} s left", elapsed / fraction * (1 - fraction))
+                               : fmt::format("{:.0f} s", elapsed);
   constexpr int width = 28;
   const int full = static_cast<int>(fraction * width + 0.5);
-  const std::string line = fmt::format("{} [{}{}] {:3.0f} %  {}  {}", what_, std::string(static_cast<std::size_t>(full), '#'), std::string(static_cast<std::size_t>(width - full), '.'), 100 * fraction, left, detail);
+  const std::string line =
+      fmt::format("{} [{}{}] {:3.0f} %  {}  {}", what_, std::string(static_cast<std::size_t>(full), '#'),
+                  std::string(static_cast<std::size_t>(width - full), '.'), 100 * fraction, left, detail);
   fmt::print(stderr, "{}{}{}", terminal_ ? "\r" : "", line, terminal_ ? "\x1b[K" : "\n");
   std::fflush(stderr);
 }

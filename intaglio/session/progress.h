@@ -10,7 +10,8 @@ class Progress {
  public:
   Progress(std::string what, bool quiet);
   ~Progress();
-  // `fraction` of the work is done, 0..1; `detail` is shown behind the bar. Cheap: draws a few times a second.
+  // `fraction` of the work is done, 0..1; `detail` is shown behind the bar. Cheap: draws a few times a
+  // second.
   void update(double fraction, const std::string& detail);
 
  private:

@@ -23,7 +23,7 @@ struct BallTrack {
 // A body that rings: what was baked for it.
 struct Voice {
   BodyId body = 0;
-  std::string name;                 // "floor", "ball 1", "pen"
+  std::string name;  // "floor", "ball 1", "pen"
   std::string material;
   std::vector<double> frequencies;  // Hz, ascending
   std::vector<double> t60;          // s, of each mode
@@ -36,8 +36,8 @@ struct KeyFrame {
 
 // What one sense cost. Thread-CPU time.
 struct SenseCost {
-  std::string sense;   // "dynamics", "haptics", "sound", "picture"
-  std::string step;    // what a step is: "1/480 s step", "64-sample block", "640x360 frame"
+  std::string sense;        // "dynamics", "haptics", "sound", "picture"
+  std::string step;         // what a step is: "1/480 s step", "64-sample block", "640x360 frame"
   double step_seconds = 0;  // simulated time a step stands for
   std::size_t steps = 0;
   double median_us = 0;
@@ -47,7 +47,7 @@ struct SenseCost {
 
 struct Recording {
   std::string title;
-  double duration = 0;  // s
+  double duration = 0;                                                       // s
   int physics_rate = 480, servo_rate = 1000, sample_rate = 44100, fps = 30;  // Hz
   Representation representation = Representation::relief;
   std::shared_ptr<const surface::Surface> surface;
@@ -62,8 +62,8 @@ struct Recording {
   std::vector<Voice> voices;
 
   std::vector<SenseCost> costs;
-  double bake_s = 0;           // CPU time of the modal analysis
-  double wall_s = 0;           // of the whole run
+  double bake_s = 0;             // CPU time of the modal analysis
+  double wall_s = 0;             // of the whole run
   double momentum_residual = 0;  // N s, dynamics::World::momentum_residual()
   std::size_t surface_bytes = 0;
   std::size_t peak_memory_bytes = 0;  // resident, of the process

@@ -83,7 +83,8 @@ render::FrameScene frame_scene(const Scene& scene, const Snapshot& snapshot) {
 // Draws and encodes snapshots, on a thread of its own or on the caller's.
 class Pictures {
  public:
-  Pictures(const Scene& scene, render::Renderer& renderer, VideoWriter& video, bool own_thread, std::int64_t frames)
+  Pictures(const Scene& scene, render::Renderer& renderer, VideoWriter& video, bool own_thread,
+           std::int64_t frames)
       : scene_(scene), renderer_(renderer), video_(video), key_every_(std::max<std::int64_t>(1, frames / 6)) {
     pthread_getcpuclockid(pthread_self(), &senses_);
     if (own_thread) thread_ = std::thread([this] { work(); });
@@ -143,12 +144,15 @@ class Pictures {
     const std::int64_t start = drawing_cpu_ns();
     const Image8 image = renderer_.draw(frame_scene(scene_, snapshot));
     cost_.add(drawing_cpu_ns() - start);
-    if (frames_++ % key_every_ == key_every_ / 2 && key_frames_.size() < 6) key_frames_.push_back({snapshot.time, image});
+    if (frames_++ % key_every_ == key_every_ / 2 && key_frames_.size() < 6)
+      key_frames_.push_back({snapshot.time, image});
     return video_.add(image);
   }
 
   // A software driver draws on threads of its own: count the whole process but for the senses' thread.
-  std::int64_t drawing_cpu_ns() const { return process_cpu_ns() - (thread_.joinable() ? cpu_ns(senses_) : 0); }
+  std::int64_t drawing_cpu_ns() const {
+    return process_cpu_ns() - (thread_.joinable() ? cpu_ns(senses_) : 0);
+  }
 
   const Scene& scene_;
   render::Renderer& renderer_;
@@ -195,27 +199,33 @@ Result<Recording> render(const Scene& scene, const RenderJob& job) {
   const auto frames = static_cast<std::int64_t>(scene.duration * scene.video.fps + 1e-9);
   Pictures pictures(scene, **renderer, **video, job.threads > 1, frames);
   for (std::int64_t frame = 0; frame < frames; ++frame) {
-    if (job.interrupted != nullptr && job.interrupted->load()) return fail(job.output.string(), "interrupted: nothing was written");
+    if (job.interrupted != nullptr && job.interrupted->load())
+      return fail(job.output.string(), "interrupted: nothing was written");
     const Snapshot snapshot = (*simulation)->advance_to_frame(frame);
-    progress.update(static_cast<double>(frame) / static_cast<double>(frames), fmt::format("{:.1f} of {:.1f} s", snapshot.time, scene.duration));
+    progress.update(static_cast<double>(frame) / static_cast<double>(frames),
+                    fmt::format("{:.1f} of {:.1f} s", snapshot.time, scene.duration));
     if (auto added = pictures.add(snapshot); !added) return tl::unexpected(added.error());
   }
   (*simulation)->finish();
   if (auto drawn = pictures.finish(); !drawn) return tl::unexpected(drawn.error());
 
   Recording recording = std::move((*simulation)->recording());
-  if (auto wav = sound::write_wav(outputs.with(".wav"), recording.audio, recording.sample_rate); !wav) return tl::unexpected(wav.error());
+  if (auto wav = sound::write_wav(outputs.with(".wav"), recording.audio, recording.sample_rate); !wav)
+    return tl::unexpected(wav.error());
   outputs.wrote(outputs.with(".wav"));
   if (auto joined = (*video)->finish(outputs.with(".wav")); !joined) return tl::unexpected(joined.error());
   outputs.wrote(job.output);
   recording.notes = surface->notes;
   recording.key_frames = std::move(pictures.key_frames());
-  recording.costs.push_back(pictures.cost().summary({"picture", fmt::format("{}x{} frame", scene.video.width, scene.video.height), 1.0 / scene.video.fps}));
+  recording.costs.push_back(pictures.cost().summary(
+      {"picture", fmt::format("{}x{} frame", scene.video.width, scene.video.height), 1.0 / scene.video.fps}));
   recording.peak_memory_bytes = peak_memory_bytes();
   recording.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const auto bytes = read_file(job.output);
   if (!bytes) return tl::unexpected(bytes.error());
-  for (const auto& [extension, text] : {std::pair{".events.csv", events_csv(recording)}, {".servo.csv", servo_csv(recording)}, {".html", report_html(recording, *bytes)}}) {
+  for (const auto& [extension, text] : {std::pair{".events.csv", events_csv(recording)},
+                                        {".servo.csv", servo_csv(recording)},
+                                        {".html", report_html(recording, *bytes)}}) {
     if (auto written = outputs.write(extension, text); !written) return tl::unexpected(written.error());
   }
   progress.update(1, fmt::format("{:.1f} of {:.1f} s", scene.duration, scene.duration));

@@ -13,12 +13,17 @@ namespace {
 
 constexpr double unbounded = std::numeric_limits<double>::max();
 
-Range positive(const char* says, double high = unbounded) { return {0, high, true, says}; }
-Range at_least_zero(const char* says, double high = unbounded) { return {0, high, false, says}; }
+Range positive(const char* says, double high = unbounded) {
+  return {0, high, true, says};
+}
+Range at_least_zero(const char* says, double high = unbounded) {
+  return {0, high, false, says};
+}
 
 void read_direction(TomlReader& r, const char* key, Vec3& direction) {
   r.vector(key, direction);
-  if (direction.norm() < 1e-9 || direction.norm() > 1e9) r.fail_at(key, std::string(key) + " has no direction", "give a vector that is not zero");
+  if (direction.norm() < 1e-9 || direction.norm() > 1e9)
+    r.fail_at(key, std::string(key) + " has no direction", "give a vector that is not zero");
 }
 
 void read_surface(TomlReader& r, SurfaceScene& surface) {
@@ -49,7 +54,8 @@ void read_surface(TomlReader& r, SurfaceScene& surface) {
   int mode = static_cast<int>(surface.mode);
   r.choice("maps", {"fused", "raw"}, mode);
   surface.mode = static_cast<surface::ImportMode>(mode);
-  r.number("thickness", surface.thickness, positive("thickness must be greater than 0 m and at most 10 m", 10));
+  r.number("thickness", surface.thickness,
+           positive("thickness must be greater than 0 m and at most 10 m", 10));
   r.vector("position", surface.position);
   r.vector("rotation", surface.rotation);
   int representation = static_cast<int>(surface.representation);
@@ -93,7 +99,8 @@ void read_path(TomlReader& r, PenScene& pen) {
   r.rows("path", 4, rows);
   for (const auto& row : rows) {
     if (!pen.path.empty() && row[0] <= pen.path.back().time) {
-      r.fail_at("path", fmt::format("pen.path goes back in time at {} s", row[0]), "times must increase from row to row");
+      r.fail_at("path", fmt::format("pen.path goes back in time at {} s", row[0]),
+                "times must increase from row to row");
     }
     pen.path.push_back({row[0], {row[1], row[2], row[3]}});
   }
@@ -112,10 +119,13 @@ void read_pen(TomlReader& r, PenScene& pen) {
   int rate = static_cast<int>(pen.device.rate);
   r.whole("device_rate", rate, {100, 20000, false, "a servo rate must be between 100 Hz and 20000 Hz"});
   pen.device.rate = rate;
-  r.number("device_peak_force", pen.device.peak_force, positive("a peak force must be greater than 0 N and at most 100 N", 100));
-  r.number("device_resolution", pen.device.resolution, positive("a resolution must be greater than 0 m", 0.01));
+  r.number("device_peak_force", pen.device.peak_force,
+           positive("a peak force must be greater than 0 N and at most 100 N", 100));
+  r.number("device_resolution", pen.device.resolution,
+           positive("a resolution must be greater than 0 m", 0.01));
   r.vector("device_workspace", pen.device.workspace);
-  r.number("ramp_in", pen.limits.ramp_in, {0.5, 60, false, "the ramp-in is a safety limit of at least 0.5 s"});
+  r.number("ramp_in", pen.limits.ramp_in,
+           {0.5, 60, false, "the ramp-in is a safety limit of at least 0.5 s"});
   r.number("hand_mass", pen.hand.mass, positive("a mass must be greater than 0 kg", 100));
   r.number("hand_stiffness", pen.hand.stiffness, positive("stiffness must be greater than 0 N/m", 1e5));
   r.number("hand_damping", pen.hand.damping, at_least_zero("damping must be at least 0 N s/m", 1e4));
@@ -124,7 +134,8 @@ void read_pen(TomlReader& r, PenScene& pen) {
 }
 
 void read_sound(TomlReader& r, SoundScene& sound) {
-  r.whole("sample_rate", sound.sample_rate, {8000, 192000, false, "a sample rate must be between 8000 Hz and 192000 Hz"});
+  r.whole("sample_rate", sound.sample_rate,
+          {8000, 192000, false, "a sample rate must be between 8000 Hz and 192000 Hz"});
   r.number("gain_db", sound.gain_db, {-120, 60, false, "a gain must be between -120 dB and 60 dB"});
   r.number("micro", sound.micro, at_least_zero("a level must be between 0 and 100", 100));
   r.whole("modes", sound.modes, {1, 2000, false, "between 1 and 2000 modes a body"});
@@ -135,13 +146,16 @@ void read_video(TomlReader& r, VideoScene& video) {
   r.whole("height", video.height, {16, 4320, false, "a height must be between 16 and 4320 pixels"});
   r.whole("fps", video.fps, {1, 240, false, "between 1 and 240 frames a second"});
   r.whole("supersample", video.supersample, {1, 4, false, "supersampling must be between 1 and 4"});
-  if (video.width % 2 != 0 || video.height % 2 != 0) r.fail_at(video.width % 2 != 0 ? "width" : "height", "video.width and video.height must be even", "H.264 needs whole 2 x 2 blocks");
+  if (video.width % 2 != 0 || video.height % 2 != 0)
+    r.fail_at(video.width % 2 != 0 ? "width" : "height", "video.width and video.height must be even",
+              "H.264 needs whole 2 x 2 blocks");
 }
 
 void read_camera(TomlReader& r, CameraScene& camera) {
   r.vector("eye", camera.eye);
   r.vector("target", camera.target);
-  r.number("vertical_fov", camera.vertical_fov, {1, 170, false, "a field of view must be between 1 and 170 degrees"});
+  r.number("vertical_fov", camera.vertical_fov,
+           {1, 170, false, "a field of view must be between 1 and 170 degrees"});
 }
 
 }  // namespace

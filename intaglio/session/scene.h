@@ -1,4 +1,5 @@
-// A scene: everything a session needs to know, read from a TOML file. Every key, unit and default: docs/scene.md.
+// A scene: everything a session needs to know, read from a TOML file. Every key, unit and default:
+// docs/scene.md.
 #pragma once
 
 #include <filesystem>
@@ -18,16 +19,17 @@
 namespace intaglio::session {
 
 struct SurfaceScene {
-  std::string texture = "brick";  // a built-in name, a recipe (.toml), an image or a folder, relative to the working folder
+  std::string texture =
+      "brick";  // a built-in name, a recipe (.toml), an image or a folder, relative to the working folder
   std::optional<surface::Green> green;
   std::optional<surface::Polarity> polarity;
   surface::Edge edge = surface::Edge::wrap;
-  Vec2 size = Vec2(1, 1);          // m
-  std::optional<double> depth;     // m, of a full-depth texel; unset: what the texture itself implies
+  Vec2 size = Vec2(1, 1);       // m
+  std::optional<double> depth;  // m, of a full-depth texel; unset: what the texture itself implies
   surface::ImportMode mode = surface::ImportMode::fused;
-  double thickness = 0.05;         // m, of the slab that rings and is drawn
-  Vec3 position = Vec3::Zero();    // m, of the middle
-  Vec3 rotation = Vec3::Zero();    // degrees about X, then Y, then Z
+  double thickness = 0.05;       // m, of the slab that rings and is drawn
+  Vec3 position = Vec3::Zero();  // m, of the middle
+  Vec3 rotation = Vec3::Zero();  // degrees about X, then Y, then Z
   Representation representation = Representation::relief;
   std::optional<Material> material;  // unset: the built-in texture's own, else brick
 };
@@ -47,14 +49,15 @@ struct PenScene {
   haptics::GuardLimits limits;
   haptics::DeviceModel device;
   haptics::Hand hand;
-  std::vector<haptics::Waypoint> path;  // world metres; turned into the device's workspace when the pen is made
+  std::vector<haptics::Waypoint>
+      path;  // world metres; turned into the device's workspace when the pen is made
 };
 
 struct SoundScene {
   int sample_rate = 44100;  // Hz
   double gain_db = 0;
-  double micro = 1;         // level of the fractal noise, of the default's; 0 = off
-  int modes = 120;          // at most, of each body
+  double micro = 1;  // level of the fractal noise, of the default's; 0 = off
+  int modes = 120;   // at most, of each body
 };
 
 struct VideoScene {

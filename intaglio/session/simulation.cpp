@@ -21,7 +21,8 @@ constexpr std::size_t block_size = 64;
 
 Quat rotation_of(const Vec3& degrees) {
   const Vec3 r = degrees * std::numbers::pi / 180;
-  return Eigen::AngleAxisd(r.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(r.y(), Vec3::UnitY()) * Eigen::AngleAxisd(r.x(), Vec3::UnitX());
+  return Eigen::AngleAxisd(r.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(r.y(), Vec3::UnitY()) *
+         Eigen::AngleAxisd(r.x(), Vec3::UnitX());
 }
 
 haptics::ServoOptions servo_options(const Scene& scene) {
@@ -35,7 +36,9 @@ std::vector<haptics::Waypoint> device_path(const PenScene& pen) {
   return path;
 }
 
-int servo_rate(const Scene& scene) { return scene.pen ? static_cast<int>(scene.pen->device.rate) : 1; }
+int servo_rate(const Scene& scene) {
+  return scene.pen ? static_cast<int>(scene.pen->device.rate) : 1;
+}
 
 }  // namespace
 
@@ -50,11 +53,13 @@ Result<std::optional<surface::BuiltinRecipe>> find_recipe(const std::string& tex
   if (path.extension() == ".toml") {
     const auto bytes = read_file(path, 1u << 20);
     if (!bytes) return tl::unexpected(bytes.error());
-    auto recipe = surface::parse_builtin({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, texture);
+    auto recipe =
+        surface::parse_builtin({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, texture);
     if (!recipe) return tl::unexpected(recipe.error());
     return std::move(*recipe);
   }
-  if (std::filesystem::exists(path, ignored) || path.has_parent_path() || path.has_extension()) return std::nullopt;
+  if (std::filesystem::exists(path, ignored) || path.has_parent_path() || path.has_extension())
+    return std::nullopt;
   auto recipe = surface::find_builtin(texture);
   if (!recipe) return tl::unexpected(recipe.error());
   return std::move(*recipe);
@@ -94,7 +99,8 @@ Result<SceneSurface> make_surface(const Scene& scene) {
   }
   if (from.material) out.material = *from.material;
   if (texels.depth.empty() && from.representation == Representation::relief) {
-    return fail(from.texture, "has normals but no depth", "take maps = \"fused\", give a height map too, or use --representation normal");
+    return fail(from.texture, "has normals but no depth",
+                "take maps = \"fused\", give a height map too, or use --representation normal");
   }
   const surface::Placement placement(from.position, rotation_of(from.rotation), from.size.x(), from.size.y());
   out.surface = std::make_shared<const surface::Surface>(std::move(texels), placement, depth, from.edge);
@@ -106,7 +112,9 @@ Simulation::Simulation(const Scene& scene, const SceneSurface& surface)
       surface_(surface.surface),
       floor_material_(surface.material),
       clock_({scene.physics.rate, servo_rate(scene), scene.sound.sample_rate, scene.video.fps}),
-      world_(surface_, floor_material_, {scene.surface.representation, scene.physics.method, scene.physics.gravity, 1.0 / scene.physics.rate}),
+      world_(surface_, floor_material_,
+             {scene.surface.representation, scene.physics.method, scene.physics.gravity,
+              1.0 / scene.physics.rate}),
       block_(block_size) {
   recording_.title = scene.title;
   recording_.duration = scene.duration;
@@ -116,7 +124,8 @@ Simulation::Simulation(const Scene& scene, const SceneSurface& surface)
   recording_.fps = scene.video.fps;
   recording_.representation = scene.surface.representation;
   recording_.surface = surface_;
-  for (const dynamics::SphereBody& ball : scene.balls) recording_.balls.push_back({world_.add(ball), ball.radius, {}});
+  for (const dynamics::SphereBody& ball : scene.balls)
+    recording_.balls.push_back({world_.add(ball), ball.radius, {}});
   if (scene.pen) {
     device_.emplace(scene.pen->device, scene.pen->hand, device_path(*scene.pen));
     servo_.emplace(surface_, servo_options(scene));
@@ -133,23 +142,30 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const Scene& scene, const
 // Models of one scene, each baked once: twenty equal balls share one.
 class Simulation::Bakery {
  public:
-  Bakery(const std::string& scene, int modes, Recording& recording) : scene_(scene), recording_(recording) { options_.modes.count = modes; }
+  Bakery(const std::string& scene, int modes, Recording& recording) : scene_(scene), recording_(recording) {
+    options_.modes.count = modes;
+  }
 
   // Adds a ringing body of that mesh. `shape` names the mesh: equal names and materials are the same model.
-  void add(sound::SoundBody body, const std::string& name, const std::string& shape, const std::function<sound::TetMesh()>& mesh, const Material& material) {
+  void add(sound::SoundBody body, const std::string& name, const std::string& shape,
+           const std::function<sound::TetMesh()>& mesh, const Material& material) {
     if (error_) return;
-    const std::string key = fmt::format("{} {} {} {} {} {} {}", shape, material.name, material.density, material.youngs_modulus, material.poisson_ratio, material.rayleigh_alpha, material.rayleigh_beta);
+    const std::string key =
+        fmt::format("{} {} {} {} {} {} {}", shape, material.name, material.density, material.youngs_modulus,
+                    material.poisson_ratio, material.rayleigh_alpha, material.rayleigh_beta);
     auto& model = models_[key];
     if (!model) {
       auto baked = sound::bake(mesh(), material, options_);
       if (!baked) {
-        error_ = Error{scene_, fmt::format("modal analysis of the {} failed: {}", name, baked.error().message()), ""};
+        error_ = Error{scene_,
+                       fmt::format("modal analysis of the {} failed: {}", name, baked.error().message()), ""};
         return;
       }
       model = std::make_shared<const sound::ModalModel>(std::move(*baked));
     }
     Voice voice{body.id, name, material.name, {}, {}};
-    for (const double omega : model->angular_frequency) voice.frequencies.push_back(omega / (2 * std::numbers::pi));
+    for (const double omega : model->angular_frequency)
+      voice.frequencies.push_back(omega / (2 * std::numbers::pi));
     for (const double damping : model->damping) voice.t60.push_back(std::log(1000.0) / damping);
     recording_.voices.push_back(std::move(voice));
     body.mass = model->mass;
@@ -177,10 +193,17 @@ void Simulation::bake_floor(Bakery& bakery) const {
   floor.id = floor_body;
   floor.is_fixed = true;
   floor.surface = surface_;
-  floor.rest_pose = {surface_->placement().to_world({slab.size.x() / 2, slab.size.y() / 2, -slab.thickness / 2}), rotation_of(slab.rotation)};
+  floor.rest_pose = {
+      surface_->placement().to_world({slab.size.x() / 2, slab.size.y() / 2, -slab.thickness / 2}),
+      rotation_of(slab.rotation)};
   constexpr int cells = 24;
-  const auto along = [&](double side) { return std::clamp(static_cast<int>(std::lround(cells * side / slab.size.maxCoeff())), 2, cells); };
-  const auto mesh = [&] { return sound::box({slab.size.x(), slab.thickness, slab.size.y()}, along(slab.size.x()), 1, along(slab.size.y())); };
+  const auto along = [&](double side) {
+    return std::clamp(static_cast<int>(std::lround(cells * side / slab.size.maxCoeff())), 2, cells);
+  };
+  const auto mesh = [&] {
+    return sound::box({slab.size.x(), slab.thickness, slab.size.y()}, along(slab.size.x()), 1,
+                      along(slab.size.y()));
+  };
   bakery.add(floor, "floor", "slab", mesh, floor_material_);
 }
 
@@ -194,13 +217,17 @@ Result<void> Simulation::bake() {
     body.id = recording_.balls[k].body;
     body.radius_of_curvature = ball.radius;
     const std::string name = scene_.balls.size() == 1 ? "ball" : fmt::format("ball {}", k + 1);
-    bakery.add(body, name, fmt::format("ball {}", ball.radius), [&] { return sound::ball(ball.radius, 2); }, ball.material);
+    bakery.add(
+        body, name, fmt::format("ball {}", ball.radius), [&] { return sound::ball(ball.radius, 2); },
+        ball.material);
   }
   if (scene_.pen) {
     sound::SoundBody body;
     body.id = recording_.pen;
     body.radius_of_curvature = 0.001;  // a pen's tip, not its shaft
-    bakery.add(body, "pen", "pen", [&] { return sound::cylinder(scene_.pen->radius, scene_.pen->length, 1, 16); }, scene_.pen->material);
+    bakery.add(
+        body, "pen", "pen", [&] { return sound::cylinder(scene_.pen->radius, scene_.pen->length, 1, 16); },
+        scene_.pen->material);
   }
   auto bodies = bakery.bodies();
   if (!bodies) return tl::unexpected(bodies.error());
@@ -208,7 +235,8 @@ Result<void> Simulation::bake() {
   options.sample_rate = scene_.sound.sample_rate;
   options.seed = static_cast<std::uint64_t>(scene_.seed);
   options.micro_level *= scene_.sound.micro;
-  options.meso = scene_.surface.representation == Representation::normal ? sound::MesoSource::normal_map : sound::MesoSource::engine_impulses;
+  options.meso = scene_.surface.representation == Representation::normal ? sound::MesoSource::normal_map
+                                                                         : sound::MesoSource::engine_impulses;
   synthesizer_ = std::make_unique<sound::Synthesizer>(options, std::move(*bodies));
   recording_.bake_s = static_cast<double>(process_cpu_ns() - start) * 1e-9;
   return {};
@@ -217,10 +245,14 @@ Result<void> Simulation::bake() {
 void Simulation::run_until(Ticks end) {
   // What is heard in a block may have happened up to one physics step after it was due: wait for that long.
   const Ticks patience = clock_.due(1, scene_.physics.rate);
-  const auto block_due = [&] { return clock_.due(static_cast<std::int64_t>(block_size) * (blocks_done_ + 1), scene_.sound.sample_rate) + patience; };
+  const auto block_due = [&] {
+    return clock_.due(static_cast<std::int64_t>(block_size) * (blocks_done_ + 1), scene_.sound.sample_rate) +
+           patience;
+  };
   while (true) {
     const Ticks physics = clock_.due(physics_done_ + 1, scene_.physics.rate);
-    const Ticks servo = servo_ ? clock_.due(servo_done_, recording_.servo_rate) : std::numeric_limits<Ticks>::max();
+    const Ticks servo =
+        servo_ ? clock_.due(servo_done_, recording_.servo_rate) : std::numeric_limits<Ticks>::max();
     const Ticks block = block_due();
     const Ticks next = std::min({physics, servo, block});
     if (next > end) return;
@@ -256,9 +288,12 @@ void Simulation::finish() {
   recording_.momentum_residual = world_.momentum_residual();
   recording_.surface_bytes = surface_->memory_bytes();
   recording_.costs = {
-      physics_cost_.summary({"dynamics", fmt::format("1/{} s step", scene_.physics.rate), 1.0 / scene_.physics.rate}),
-      servo_cost_.summary({"haptics", fmt::format("1/{} s tick", recording_.servo_rate), 1.0 / recording_.servo_rate}),
-      sound_cost_.summary({"sound", fmt::format("{}-sample block", block_size), static_cast<double>(block_size) / scene_.sound.sample_rate}),
+      physics_cost_.summary(
+          {"dynamics", fmt::format("1/{} s step", scene_.physics.rate), 1.0 / scene_.physics.rate}),
+      servo_cost_.summary(
+          {"haptics", fmt::format("1/{} s tick", recording_.servo_rate), 1.0 / recording_.servo_rate}),
+      sound_cost_.summary({"sound", fmt::format("{}-sample block", block_size),
+                           static_cast<double>(block_size) / scene_.sound.sample_rate}),
   };
 }
 
@@ -286,7 +321,8 @@ void Simulation::step_servo() {
   device_->advance(1.0 / recording_.servo_rate);
   ++servo_done_;
   recording_.servo.push_back(sample);
-  if (sample.touching || pen_touching_) record(pen_event(sample, static_cast<double>(servo_done_) / recording_.servo_rate));
+  if (sample.touching || pen_touching_)
+    record(pen_event(sample, static_cast<double>(servo_done_) / recording_.servo_rate));
   pen_touching_ = sample.touching;
 }
 
@@ -300,7 +336,9 @@ ContactEvent Simulation::pen_event(const haptics::ServoSample& sample, double ti
   ContactEvent event;
   event.time = time;
   event.body = recording_.pen;
-  event.phase = !sample.touching ? ContactPhase::end : pen_touching_ ? ContactPhase::persist : ContactPhase::begin;
+  event.phase = !sample.touching ? ContactPhase::end
+                : pen_touching_  ? ContactPhase::persist
+                                 : ContactPhase::begin;
   event.point = sample.proxy;
   event.uv = sample.uv;
   event.n_g = n_g;

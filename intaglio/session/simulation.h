@@ -1,7 +1,8 @@
 // The multi-rate loop: physics, haptics and sound of a scene, advanced in one clock.
 //
-// Loops run in the order in which their steps are due (core/clock.h); at the same tick physics goes before haptics, haptics before
-// sound. A block of sound is made when every contact that can be heard in it has happened. One thread; deterministic.
+// Loops run in the order in which their steps are due (core/clock.h); at the same tick physics goes before
+// haptics, haptics before sound. A block of sound is made when every contact that can be heard in it has
+// happened. One thread; deterministic.
 #pragma once
 
 #include <filesystem>

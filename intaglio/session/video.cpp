@@ -23,7 +23,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Starts a program with `input` as its standard input (-1: none) and its own messages on ours. Returns its process id.
+// Starts a program with `input` as its standard input (-1: none) and its own messages on ours. Returns its
+// process id.
 Result<pid_t> start(const std::vector<std::string>& words, int input) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
@@ -36,7 +37,8 @@ Result<pid_t> start(const std::vector<std::string>& words, int input) {
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
   pid_t process = -1;
-  const int error = posix_spawn(&process, words.front().c_str(), &actions, nullptr, arguments.data(), environ);
+  const int error =
+      posix_spawn(&process, words.front().c_str(), &actions, nullptr, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) return fail(words.front(), std::string("cannot be started: ") + std::strerror(error));
   return process;
@@ -66,10 +68,12 @@ Result<fs::path> find_ffmpeg() {
   return fail("ffmpeg", "not found on PATH", "it encodes the video; install it: sudo apt-get install ffmpeg");
 }
 
-Result<std::unique_ptr<VideoWriter>> VideoWriter::create(const fs::path& target, int width, int height, int fps) {
+Result<std::unique_ptr<VideoWriter>> VideoWriter::create(const fs::path& target, int width, int height,
+                                                         int fps) {
   const auto ffmpeg = find_ffmpeg();
   if (!ffmpeg) return tl::unexpected(ffmpeg.error());
-  if (target.extension() != ".mp4") return fail(target.string(), "is not named as an MP4", "end the name with .mp4");
+  if (target.extension() != ".mp4")
+    return fail(target.string(), "is not named as an MP4", "end the name with .mp4");
   if (auto writable = check_writable(target); !writable) return tl::unexpected(writable.error());
 
   std::unique_ptr<VideoWriter> writer(new VideoWriter);
@@ -79,9 +83,36 @@ Result<std::unique_ptr<VideoWriter>> VideoWriter::create(const fs::path& target,
   writer->joined_ = temporary_for(target);
   signal(SIGPIPE, SIG_IGN);  // an encoder that dies is an error of ours, not the end of us
   int ends[2];
-  if (pipe2(ends, O_CLOEXEC) != 0) return fail(target.string(), std::string("no pipe to the encoder: ") + std::strerror(errno));
+  if (pipe2(ends, O_CLOEXEC) != 0)
+    return fail(target.string(), std::string("no pipe to the encoder: ") + std::strerror(errno));
   writer->pipe_ = ends[1];
-  const auto process = start({writer->ffmpeg_.string(), "-v", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", fmt::format("{}x{}", width, height), "-r", std::to_string(fps), "-i", "pipe:0", "-an", "-c:v", "libx264", "-preset", "veryfast", "-crf", "18", "-threads", "1", "-pix_fmt", "yuv420p", writer->silent_.string()}, ends[0]);
+  const auto process = start({writer->ffmpeg_.string(),
+                              "-v",
+                              "error",
+                              "-y",
+                              "-f",
+                              "rawvideo",
+                              "-pix_fmt",
+                              "rgb24",
+                              "-s",
+                              fmt::format("{}x{}", width, height),
+                              "-r",
+                              std::to_string(fps),
+                              "-i",
+                              "pipe:0",
+                              "-an",
+                              "-c:v",
+                              "libx264",
+                              "-preset",
+                              "veryfast",
+                              "-crf",
+                              "18",
+                              "-threads",
+                              "1",
+                              "-pix_fmt",
+                              "yuv420p",
+                              writer->silent_.string()},
+                             ends[0]);
   close(ends[0]);
   if (!process) return tl::unexpected(process.error());
   writer->process_ = *process;
@@ -101,7 +132,8 @@ Result<void> VideoWriter::add(const Image8& frame) {
   while (sent < frame.data.size()) {
     const ssize_t n = write(pipe_, frame.data.data() + sent, frame.data.size() - sent);
     if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return fail(target_.string(), "the video encoder stopped (its message is above)", "is the disk full?");
+    if (n <= 0)
+      return fail(target_.string(), "the video encoder stopped (its message is above)", "is the disk full?");
     sent += static_cast<std::size_t>(n);
   }
   return {};
@@ -112,10 +144,15 @@ Result<void> VideoWriter::finish(const fs::path& wav) {
   pipe_ = -1;
   const bool encoded = ended_well(process_);
   process_ = -1;
-  if (!encoded) return fail(target_.string(), "the video encoder failed (its message is above)", "is the disk full?");
-  const auto process = start({ffmpeg_.string(), "-v", "error", "-y", "-i", silent_.string(), "-i", wav.string(), "-c:v", "copy", "-c:a", "aac", "-b:a", "192k", "-movflags", "+faststart", joined_.string()}, -1);
+  if (!encoded)
+    return fail(target_.string(), "the video encoder failed (its message is above)", "is the disk full?");
+  const auto process =
+      start({ffmpeg_.string(), "-v", "error", "-y", "-i", silent_.string(), "-i", wav.string(), "-c:v",
+             "copy", "-c:a", "aac", "-b:a", "192k", "-movflags", "+faststart", joined_.string()},
+            -1);
   if (!process) return tl::unexpected(process.error());
-  if (!ended_well(*process)) return fail(target_.string(), "joining picture and sound failed (ffmpeg's message is above)");
+  if (!ended_well(*process))
+    return fail(target_.string(), "joining picture and sound failed (ffmpeg's message is above)");
   std::error_code error;
   fs::rename(joined_, target_, error);
   if (error) return fail(target_.string(), "cannot be replaced: " + error.message());

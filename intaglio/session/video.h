@@ -1,7 +1,8 @@
 // Frames and sound into an MP4 (H.264 and AAC), by ffmpeg through a pipe.
 //
-// Two passes, so that frames are encoded while the sound is still being made: frames go into a silent temporary, finish() joins it
-// with the sound. Temporaries go away whatever happens; the target appears whole or not at all. One thread at a time.
+// Two passes, so that frames are encoded while the sound is still being made: frames go into a silent
+// temporary, finish() joins it with the sound. Temporaries go away whatever happens; the target appears whole
+// or not at all. One thread at a time.
 #pragma once
 
 #include <sys/types.h>
@@ -20,7 +21,8 @@ Result<std::filesystem::path> find_ffmpeg();
 class VideoWriter {
  public:
   // Starts the encoder for frames of width x height.
-  static Result<std::unique_ptr<VideoWriter>> create(const std::filesystem::path& target, int width, int height, int fps);
+  static Result<std::unique_ptr<VideoWriter>> create(const std::filesystem::path& target, int width,
+                                                     int height, int fps);
   ~VideoWriter();
   VideoWriter(const VideoWriter&) = delete;
   VideoWriter& operator=(const VideoWriter&) = delete;

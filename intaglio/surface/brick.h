@@ -9,18 +9,18 @@ namespace intaglio::surface {
 
 // Lengths are fractions of the tile's side.
 struct BrickRecipe {
-  int size = 512;                // texels a side
+  int size = 512;  // texels a side
   int columns = 4;
-  int rows = 8;                  // even, so that the running bond is seamless
-  double joint = 0.018;          // width of the mortar's floor
-  double bevel = 0.010;          // width of the slope from the mortar to the brick's face
+  int rows = 8;          // even, so that the running bond is seamless
+  double joint = 0.018;  // width of the mortar's floor
+  double bevel = 0.010;  // width of the slope from the mortar to the brick's face
   double corner_radius = 0.014;
   double depth_fraction = 0.02;  // full depth over the tile's side: fixes the slopes of the normals
   std::uint64_t seed = 7;
 };
 
-// A texture as it would come from files: `relief` is 16-bit RGBA, normal (+Y) in RGB and depth (0 = top) in alpha; `colour`
-// is 8-bit sRGB. Row 0 = top.
+// A texture as it would come from files: `relief` is 16-bit RGBA, normal (+Y) in RGB and depth (0 = top) in
+// alpha; `colour` is 8-bit sRGB. Row 0 = top.
 struct TextureImages {
   Image16 relief;
   Image8 colour;

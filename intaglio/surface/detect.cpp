@@ -13,7 +13,8 @@ Field halved(const Field& field) {
     for (int x = 0; x < half.width; ++x) {
       const int x1 = std::min(2 * x + 1, field.width - 1);
       const int y1 = std::min(2 * y + 1, field.height - 1);
-      half.at(x, y) = 0.25f * (field.at(2 * x, 2 * y) + field.at(x1, 2 * y) + field.at(2 * x, y1) + field.at(x1, y1));
+      half.at(x, y) =
+          0.25f * (field.at(2 * x, 2 * y) + field.at(x1, 2 * y) + field.at(2 * x, y1) + field.at(x1, y1));
     }
   }
   return half;
@@ -42,7 +43,9 @@ struct Moments {
   double correlation() const {
     const double var_a = aa - a * a / n;
     const double var_b = bb - b * b / n;
-    return var_a > 1e-12 * aa && var_b > 1e-12 * bb && var_a > 0 && var_b > 0 ? (ab - a * b / n) / std::sqrt(var_a * var_b) : 0;
+    return var_a > 1e-12 * aa && var_b > 1e-12 * bb && var_a > 0 && var_b > 0
+               ? (ab - a * b / n) / std::sqrt(var_a * var_b)
+               : 0;
   }
 };
 
@@ -104,8 +107,8 @@ Detection detect(const Slopes& slopes, const Field& height) {
   out.correlation = best.score();
   out.rows_differ = rows_differ;
   out.implied_depth = best.power > 0 ? best.covariance / best.power : 0;
-  // u tells what white means, and v compared with u the sign of green. An axis along which nothing varies tells nothing: then
-  // green is taken to be +Y.
+  // u tells what white means, and v compared with u the sign of green. An axis along which nothing varies
+  // tells nothing: then green is taken to be +Y.
   constexpr double tells = 0.1;
   const bool u_tells = std::abs(best.u) > tells;
   const bool v_tells = std::abs(best.v) > tells;

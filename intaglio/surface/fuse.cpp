@@ -27,7 +27,9 @@ struct Extended {
       for (int x = 0; x < width; ++x) {
         const bool back_x = x >= w;
         const bool back_y = y >= h;
-        out[std::size_t(y) * std::size_t(width) + std::size_t(x)] = value(back_x ? 2 * w - 1 - x : x, back_y ? 2 * h - 1 - y : y, back_x ? -1.0f : 1.0f, back_y ? -1.0f : 1.0f);
+        out[std::size_t(y) * std::size_t(width) + std::size_t(x)] =
+            value(back_x ? 2 * w - 1 - x : x, back_y ? 2 * h - 1 - y : y, back_x ? -1.0f : 1.0f,
+                  back_y ? -1.0f : 1.0f);
       }
     }
     return out;
@@ -62,11 +64,13 @@ struct Frequency {
 };
 
 template <class Visit>
-void each_frequency(int width, int height, const Derivative& x_axis, const Derivative& y_axis, const Visit& visit) {
+void each_frequency(int width, int height, const Derivative& x_axis, const Derivative& y_axis,
+                    const Visit& visit) {
   for (int j = 0; j < height; ++j) {
     for (int i = 0; i < width; ++i) {
       const auto at = [&](int a, int b) { return std::size_t(b) * std::size_t(width) + std::size_t(a); };
-      visit(Frequency{at(i, j), at((width - i) % width, (height - j) % height), x_axis[std::size_t(i)], y_axis[std::size_t(j)]});
+      visit(Frequency{at(i, j), at((width - i) % width, (height - j) % height), x_axis[std::size_t(i)],
+                      y_axis[std::size_t(j)]});
     }
   }
 }
@@ -75,8 +79,10 @@ struct Noise {
   double height, slope;  // power a texel
 };
 
-// How badly the normals are the height's derivative taken this way, in units of the noise, where the height is well above its own.
-double misfit(int width, int height, const Derivative& x_axis, const Derivative& y_axis, const Spectrum& packed, const Spectrum& h0, const Noise& noise) {
+// How badly the normals are the height's derivative taken this way, in units of the noise, where the height
+// is well above its own.
+double misfit(int width, int height, const Derivative& x_axis, const Derivative& y_axis,
+              const Spectrum& packed, const Spectrum& h0, const Noise& noise) {
   const double texels = static_cast<double>(width) * height;
   double sum = 0;
   each_frequency(width, height, x_axis, y_axis, [&](const Frequency& f) {
@@ -116,7 +122,8 @@ Fused fuse(const FuseInput& input) {
   const Extended tile{mirrored ? 2 * px.width : px.width, mirrored ? 2 * px.height : px.height, mirrored};
   const bool has_height = !input.height.empty();
 
-  Spectrum packed = tile.fill([&](int x, int y, float sx, float sy) { return Complex(sx * px.at(x, y), sy * py.at(x, y)); });
+  Spectrum packed = tile.fill(
+      [&](int x, int y, float sx, float sy) { return Complex(sx * px.at(x, y), sy * py.at(x, y)); });
   fft2(packed, tile.width, tile.height, Transform::forward);
   Spectrum h0;
   if (has_height) {
@@ -129,13 +136,16 @@ Fused fuse(const FuseInput& input) {
   Derivative x_axis = derivative(tile.width, false);
   Derivative y_axis = derivative(tile.height, false);
   if (has_height) {
-    const Noise noise{std::max(1e-12, input.height_step * input.height_step / 12), slope_noise(input.slopes, std::max(1e-6, input.normal_step))};
+    const Noise noise{std::max(1e-12, input.height_step * input.height_step / 12),
+                      slope_noise(input.slopes, std::max(1e-6, input.normal_step))};
     out.lambda = noise.slope / noise.height;
-    // Normals baked from finer geometry have the exact derivative; those made from the height map itself, central differences. Take
-    // what fits.
+    // Normals baked from finer geometry have the exact derivative; those made from the height map itself,
+    // central differences. Take what fits.
     const Derivative x_central = derivative(tile.width, true);
     const Derivative y_central = derivative(tile.height, true);
-    const auto cost = [&](const Derivative& x, const Derivative& y) { return misfit(tile.width, tile.height, x, y, packed, h0, noise); };
+    const auto cost = [&](const Derivative& x, const Derivative& y) {
+      return misfit(tile.width, tile.height, x, y, packed, h0, noise);
+    };
     if (cost(x_central, y_central) < cost(x_axis, y_axis)) {
       x_axis = x_central;
       y_axis = y_central;

@@ -25,7 +25,9 @@ struct Loaded {
 };
 
 void take_alpha_as_height(Loaded& loaded) {
-  if (loaded.normal.pixels.empty() || loaded.normal.pixels.channels != 4 || is_constant(loaded.normal.pixels, 3)) return;
+  if (loaded.normal.pixels.empty() || loaded.normal.pixels.channels != 4 ||
+      is_constant(loaded.normal.pixels, 3))
+    return;
   loaded.height = loaded.normal;
   loaded.height_channel = loaded.report.height_channel = 3;
   loaded.report.height_file = loaded.report.normal_file;
@@ -38,7 +40,8 @@ Result<Loaded> load(const TextureFiles& files, bool single) {
     auto image = read_image(files.normal);
     if (!image) return tl::unexpected(image.error());
     const bool normals = image->pixels.channels >= 3 && looks_like_normals(image->pixels);
-    if (!single && image->pixels.channels < 3) return fail(files.normal.string(), "is a grey image, but its name says normal map", "rename it");
+    if (!single && image->pixels.channels < 3)
+      return fail(files.normal.string(), "is a grey image, but its name says normal map", "rename it");
     if (single && !normals) {
       loaded.height = std::move(*image);
       loaded.report.height_file = files.normal;
@@ -61,20 +64,27 @@ Result<Loaded> load(const TextureFiles& files, bool single) {
 }
 
 // One step of a map of so many bits, as a share of its range.
-double step_of(int bits) { return 1.0 / (std::exp2(std::min(bits, 24)) - 1); }
+double step_of(int bits) {
+  return 1.0 / (std::exp2(std::min(bits, 24)) - 1);
+}
 
-std::string name_of(const fs::path& path) { return path.filename().string(); }
+std::string name_of(const fs::path& path) {
+  return path.filename().string();
+}
 
 // Understands the maps of one texture, step by step.
 class Conversion {
  public:
-  Conversion(Loaded loaded, const ImportOptions& options) : loaded_(std::move(loaded)), options_(options) { out_.report = loaded_.report; }
+  Conversion(Loaded loaded, const ImportOptions& options) : loaded_(std::move(loaded)), options_(options) {
+    out_.report = loaded_.report;
+  }
 
   Imported run() {
     if (has_normals()) slopes_ = read_slopes(loaded_.normal.pixels, &out_.report.clamped_normals);
     if (has_height()) {
       height_ = read_height(loaded_.height.pixels, loaded_.height_channel);
-      if (has_normals() && (height_.width != slopes_.x.width || height_.height != slopes_.x.height)) fit_height();
+      if (has_normals() && (height_.width != slopes_.x.width || height_.height != slopes_.x.height))
+        fit_height();
     }
     settle_conventions();
     settle_depth();
@@ -96,7 +106,8 @@ class Conversion {
   void warn(std::string line) { out_.warnings.push_back(std::move(line)); }
 
   void fit_height() {
-    note(fmt::format("height of {} x {} resampled to the normal map's {} x {}", height_.width, height_.height, slopes_.x.width, slopes_.x.height));
+    note(fmt::format("height of {} x {} resampled to the normal map's {} x {}", height_.width, height_.height,
+                     slopes_.x.width, slopes_.x.height));
     height_ = resampled(height_, slopes_.x.width, slopes_.x.height);
   }
 
@@ -117,7 +128,9 @@ class Conversion {
         report.rows_differed = found.rows_differ;
         report.implied_depth = found.implied_depth;
       } else {
-        warn(fmt::format("normals and height hardly agree (correlation {:.2f}): are they of the same surface?", found.correlation));
+        warn(
+            fmt::format("normals and height hardly agree (correlation {:.2f}): are they of the same surface?",
+                        found.correlation));
       }
     }
     report.green = green = options_.green.value_or(green);
@@ -125,20 +138,27 @@ class Conversion {
     if (options_.flip_height_rows.value_or(report.rows_differed)) flip_rows(height_);
     if (has_normals()) {
       if (green == Green::minus_y) negate(slopes_.y);
-      note(fmt::format("normals from {}, green {}", name_of(report.normal_file), green == Green::plus_y ? "+Y" : "-Y"));
+      note(fmt::format("normals from {}, green {}", name_of(report.normal_file),
+                       green == Green::plus_y ? "+Y" : "-Y"));
     }
     if (has_height()) {
       if (polarity == Polarity::depth) complement(height_);
-      note(fmt::format("{} from {}{}{}", polarity == Polarity::height ? "height (white = high)" : "depth (white = deep)", name_of(report.height_file), report.height_channel == 3 ? ", alpha channel" : "", report.rows_differed ? ", its rows upside down" : ""));
+      note(fmt::format("{} from {}{}{}",
+                       polarity == Polarity::height ? "height (white = high)" : "depth (white = deep)",
+                       name_of(report.height_file), report.height_channel == 3 ? ", alpha channel" : "",
+                       report.rows_differed ? ", its rows upside down" : ""));
     }
-    if (agrees_) note(fmt::format("correlation of normals and height {:.2f}; implied full depth {:.2f} % of the side", report.correlation, 100 * report.implied_depth));
+    if (agrees_)
+      note(fmt::format("correlation of normals and height {:.2f}; implied full depth {:.2f} % of the side",
+                       report.correlation, 100 * report.implied_depth));
   }
 
   // How deep a full depth is. A depth that was asked for scales the slopes of the normals with it.
   void settle_depth() {
     const double implied = agrees_ ? out_.report.implied_depth : 0;
     out_.depth_fraction = options_.depth_fraction.value_or(implied > 0 ? implied : default_depth_fraction);
-    if (options_.mode == ImportMode::fused && agrees_ && options_.depth_fraction && implied > 0) scale(slopes_, out_.depth_fraction / implied);
+    if (options_.mode == ImportMode::fused && agrees_ && options_.depth_fraction && implied > 0)
+      scale(slopes_, out_.depth_fraction / implied);
   }
 
   void fuse_maps() {
@@ -162,23 +182,30 @@ class Conversion {
     out_.report.lambda = fused.lambda;
     out_.report.mean_slope_u = fused.mean_slope_x;
     out_.report.mean_slope_v = fused.mean_slope_y;
-    if (!both) note(fmt::format("height implied by the normals; {:.0f} % of their slope fits no height", 100 * fused.curl));
+    if (!both)
+      note(fmt::format("height implied by the normals; {:.0f} % of their slope fits no height",
+                       100 * fused.curl));
     const double tilt = std::hypot(fused.mean_slope_x, fused.mean_slope_y);
-    if (!both && options_.edge == Edge::wrap && tilt > 0.05) warn(fmt::format("the normals tilt by {:.1f} degrees on the whole; a repeating tile cannot, so that part is left out", std::atan(tilt) * 180 / 3.141592653589793));
+    if (!both && options_.edge == Edge::wrap && tilt > 0.05)
+      warn(
+          fmt::format("the normals tilt by {:.1f} degrees on the whole; a repeating tile cannot, so that "
+                      "part is left out",
+                      std::atan(tilt) * 180 / 3.141592653589793));
     out_.texels.normal = normals_of(fused.slopes);
     set_depth(fused.height, both ? texels : 0);
     slopes_ = std::move(fused.slopes);
   }
 
-  // `height` in texels becomes depth fractions of its own range, 0 = top. A map's `top` stays where it is, unless the fused field
-  // rises above it.
+  // `height` in texels becomes depth fractions of its own range, 0 = top. A map's `top` stays where it is,
+  // unless the fused field rises above it.
   void set_depth(const Field& height, double top) {
     const auto [low, high] = std::minmax_element(height.value.begin(), height.value.end());
     const double highest = std::max(top, static_cast<double>(*high));
     const double ceiling = top > 0 ? highest : static_cast<double>(*high);
     const double range = std::max(1e-9, ceiling - static_cast<double>(*low));
     out_.texels.depth.resize(height.value.size());
-    std::transform(height.value.begin(), height.value.end(), out_.texels.depth.begin(), [&](float h) { return static_cast<float>((ceiling - static_cast<double>(h)) / range); });
+    std::transform(height.value.begin(), height.value.end(), out_.texels.depth.begin(),
+                   [&](float h) { return static_cast<float>((ceiling - static_cast<double>(h)) / range); });
     if (!(has_height() && agrees_) && options_.depth_fraction) {
       // An implied height that was told how deep to be.
       const double factor = options_.depth_fraction.value() * height.width / range;
@@ -191,7 +218,8 @@ class Conversion {
   void keep_height() {
     out_.texels.normal = normals_of(central_slopes(height_, out_.depth_fraction));
     out_.texels.depth.resize(height_.value.size());
-    std::transform(height_.value.begin(), height_.value.end(), out_.texels.depth.begin(), [](float h) { return 1 - h; });
+    std::transform(height_.value.begin(), height_.value.end(), out_.texels.depth.begin(),
+                   [](float h) { return 1 - h; });
   }
 
   void keep_maps() {
@@ -199,7 +227,8 @@ class Conversion {
       out_.texels.normal = normals_of(slopes_);
       if (has_height()) {
         out_.texels.depth.resize(height_.value.size());
-        std::transform(height_.value.begin(), height_.value.end(), out_.texels.depth.begin(), [](float h) { return 1 - h; });
+        std::transform(height_.value.begin(), height_.value.end(), out_.texels.depth.begin(),
+                       [](float h) { return 1 - h; });
       }
     } else {
       note("normals from the slopes of the height");

@@ -1,7 +1,9 @@
-// From a user's images to the canonical texels of a Surface: unit normals, +Y; depth fraction, 0 = top; row 0 = v 0.
+// From a user's images to the canonical texels of a Surface: unit normals, +Y; depth fraction, 0 = top; row 0
+// = v 0.
 //
-// What the files' conventions are is detected (detect.h) and can be overridden; what was found is said in `notes` and, where
-// something does not fit, in `warnings`. By default height and normals are fused into one consistent field (fuse.h).
+// What the files' conventions are is detected (detect.h) and can be overridden; what was found is said in
+// `notes` and, where something does not fit, in `warnings`. By default height and normals are fused into one
+// consistent field (fuse.h).
 #pragma once
 
 #include <filesystem>
@@ -23,12 +25,13 @@ enum class ImportMode {
 };
 
 struct ImportOptions {
-  std::optional<Green> green;            // unset: detected, else by the file's name, else +Y
-  std::optional<Polarity> polarity;      // unset: detected, else height (alpha: depth, the paper's convention)
+  std::optional<Green> green;        // unset: detected, else by the file's name, else +Y
+  std::optional<Polarity> polarity;  // unset: detected, else height (alpha: depth, the paper's convention)
   std::optional<bool> flip_height_rows;  // unset: detected
-  std::optional<double> depth_fraction;  // full depth over the side of the tile; unset: what the normals imply, else 0.02
+  std::optional<double>
+      depth_fraction;  // full depth over the side of the tile; unset: what the normals imply, else 0.02
   ImportMode mode = ImportMode::fused;
-  Edge edge = Edge::wrap;                // whether the tile repeats, for the fusion
+  Edge edge = Edge::wrap;  // whether the tile repeats, for the fusion
 };
 
 // What import found out. Correlations are 0 where there was only one map.
@@ -36,14 +39,14 @@ struct ImportReport {
   std::filesystem::path normal_file, height_file, colour_file;
   int height_channel = 0;  // 3: the alpha channel of the normal map
   int normal_bits = 0, height_bits = 0;
-  Green green = Green::plus_y;            // as it was taken: overridden, detected, or by name and default
+  Green green = Green::plus_y;  // as it was taken: overridden, detected, or by name and default
   Polarity polarity = Polarity::height;
-  std::optional<Green> detected_green;    // set when the maps agree
+  std::optional<Green> detected_green;  // set when the maps agree
   std::optional<Polarity> detected_polarity;
   bool rows_differed = false;
   double correlation = 0, correlation_u = 0, correlation_v = 0;
-  double implied_depth = 0;   // 0: not known
-  double curl = 0;            // share of the normals' slopes that no height can have
+  double implied_depth = 0;  // 0: not known
+  double curl = 0;           // share of the normals' slopes that no height can have
   double mean_slope_u = 0, mean_slope_v = 0;
   double clamped_normals = 0;  // fraction of texels whose slope was beyond max_slope
   double lambda = 0;
@@ -61,9 +64,9 @@ struct Imported {
 
 // `path` is an image or a folder of images.
 //   RGBA image       normals in RGB, depth or height in alpha; a colour map beside it is found by its name
-//   RGB image        normals if it looks like normals (a height map beside it is found by its name), else its brightness is taken as height
-//   grey image       height
-//   folder           searched for normal, height and colour by the usual names
+//   RGB image        normals if it looks like normals (a height map beside it is found by its name), else its
+//   brightness is taken as height grey image       height folder           searched for normal, height and
+//   colour by the usual names
 Result<Imported> import_texture(const std::filesystem::path& path, const ImportOptions& options);
 
 // The built-in images, through the same conversion of pixels.

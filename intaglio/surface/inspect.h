@@ -1,5 +1,5 @@
-// What a texture is like, in numbers: its conventions, depth, slopes, terraces, whether its normals fit a height, and which
-// representation suits it.
+// What a texture is like, in numbers: its conventions, depth, slopes, terraces, whether its normals fit a
+// height, and which representation suits it.
 #pragma once
 
 #include <array>
@@ -23,8 +23,8 @@ struct Inspection {
   double steep_fraction = 0;          // above 45 degrees
   double near_vertical_fraction = 0;  // above 70 degrees
 
-  // Terraces of the height file: how many levels it uses, and the slope of one level over one texel; a smooth ramp less steep than
-  // that comes as stairs.
+  // Terraces of the height file: how many levels it uses, and the slope of one level over one texel; a smooth
+  // ramp less steep than that comes as stairs.
   int height_levels = 0;
   double terrace_slope = 0;
 
@@ -38,7 +38,8 @@ struct Inspection {
 // Reads and imports the texture (fused) and looks at it.
 Result<Inspection> inspect(const std::filesystem::path& path, const ImportOptions& options);
 
-// The surface lit from the upper left over its colours: what a viewer would see of its slopes. RGB, row 0 = top.
+// The surface lit from the upper left over its colours: what a viewer would see of its slopes. RGB, row 0 =
+// top.
 Image8 relit_preview(const Texels& texels, int width);
 
 }  // namespace intaglio::surface

@@ -11,10 +11,13 @@ namespace intaglio::surface {
 namespace {
 
 // Row y of an image (0 = top) as a row of texels (0 = bottom), and back.
-int flipped(int y, int height) { return height - 1 - y; }
+int flipped(int y, int height) {
+  return height - 1 - y;
+}
 
 Vec3 vector_at(const Pixels& image, int x, int y) {
-  return {2.0 * static_cast<double>(image.at(x, y, 0)) - 1, 2.0 * static_cast<double>(image.at(x, y, 1)) - 1, 2.0 * static_cast<double>(image.at(x, y, 2)) - 1};
+  return {2.0 * static_cast<double>(image.at(x, y, 0)) - 1, 2.0 * static_cast<double>(image.at(x, y, 1)) - 1,
+          2.0 * static_cast<double>(image.at(x, y, 2)) - 1};
 }
 
 }  // namespace
@@ -45,7 +48,8 @@ Slopes read_slopes(const Pixels& image, double* clamped) {
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
       const Vec3 n = vector_at(image, x, y);
-      const double up = std::max(n.z(), 1e-6);  // a height field has no overhangs; 8-bit files round vertical walls to below 0
+      const double up = std::max(
+          n.z(), 1e-6);  // a height field has no overhangs; 8-bit files round vertical walls to below 0
       Vec2 slope(-n.x() / up, -n.y() / up);
       if (slope.norm() > max_slope) {
         ++beyond;
@@ -64,7 +68,9 @@ Field read_height(const Pixels& image, int channel) {
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
       const bool brightness = image.channels == 3 || (image.channels == 4 && channel != 3);
-      height.at(x, flipped(y, image.height)) = brightness ? (image.at(x, y, 0) + image.at(x, y, 1) + image.at(x, y, 2)) / 3 : image.at(x, y, channel);
+      height.at(x, flipped(y, image.height)) =
+          brightness ? (image.at(x, y, 0) + image.at(x, y, 1) + image.at(x, y, 2)) / 3
+                     : image.at(x, y, channel);
     }
   }
   return height;
@@ -76,7 +82,8 @@ Image8 read_colour(const Pixels& image) {
     for (int x = 0; x < image.width; ++x) {
       for (int c = 0; c < 3; ++c) {
         const float value = image.at(x, y, image.channels < 3 ? 0 : c);
-        colour.at(x, flipped(y, image.height), c) = static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * 255));
+        colour.at(x, flipped(y, image.height), c) =
+            static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * 255));
       }
     }
   }
@@ -101,7 +108,8 @@ Field resampled(const Field& field, int width, int height) {
       const int y1 = std::min(y0 + 1, field.height - 1);
       const auto s = static_cast<float>(fx - x0);
       const auto t = static_cast<float>(fy - y0);
-      out.at(x, y) = (1 - t) * ((1 - s) * field.at(x0, y0) + s * field.at(x1, y0)) + t * ((1 - s) * field.at(x0, y1) + s * field.at(x1, y1));
+      out.at(x, y) = (1 - t) * ((1 - s) * field.at(x0, y0) + s * field.at(x1, y0)) +
+                     t * ((1 - s) * field.at(x0, y1) + s * field.at(x1, y1));
     }
   }
   return out;
@@ -113,7 +121,9 @@ void flip_rows(Field& field) {
   }
 }
 
-void negate(Field& field) { scale(field, -1); }
+void negate(Field& field) {
+  scale(field, -1);
+}
 
 void complement(Field& field) {
   for (float& v : field.value) v = 1 - v;
@@ -130,7 +140,9 @@ void scale(Slopes& slopes, double factor) {
 
 std::vector<Vec3> normals_of(const Slopes& slopes) {
   std::vector<Vec3> normals(slopes.x.value.size());
-  for (std::size_t k = 0; k < normals.size(); ++k) normals[k] = Vec3(-static_cast<double>(slopes.x.value[k]), -static_cast<double>(slopes.y.value[k]), 1).normalized();
+  for (std::size_t k = 0; k < normals.size(); ++k)
+    normals[k] = Vec3(-static_cast<double>(slopes.x.value[k]), -static_cast<double>(slopes.y.value[k]), 1)
+                     .normalized();
   return normals;
 }
 
@@ -154,11 +166,14 @@ Slopes central_slopes(const Field& height, double depth_fraction) {
 
 Texels to_texels(const TextureImages& images) {
   Pixels relief(images.relief.width, images.relief.height, 4);
-  std::transform(images.relief.data.begin(), images.relief.data.end(), relief.data.begin(), [](std::uint16_t v) { return static_cast<float>(v) / 65535.0f; });
+  std::transform(images.relief.data.begin(), images.relief.data.end(), relief.data.begin(),
+                 [](std::uint16_t v) { return static_cast<float>(v) / 65535.0f; });
   Pixels colour(images.colour.width, images.colour.height, 3);
-  std::transform(images.colour.data.begin(), images.colour.data.end(), colour.data.begin(), [](std::uint8_t v) { return static_cast<float>(v) / 255.0f; });
+  std::transform(images.colour.data.begin(), images.colour.data.end(), colour.data.begin(),
+                 [](std::uint8_t v) { return static_cast<float>(v) / 255.0f; });
   const Field depth = read_height(relief, 3);
-  return {relief.width, relief.height, depth.value, normals_of(read_slopes(relief, nullptr)), read_colour(colour)};
+  return {relief.width, relief.height, depth.value, normals_of(read_slopes(relief, nullptr)),
+          read_colour(colour)};
 }
 
 }  // namespace intaglio::surface

@@ -21,7 +21,8 @@ double periodic_noise(double u, double v, int frequency_u, int frequency_v, std:
   const int i = static_cast<int>(x);
   const int j = static_cast<int>(y);
   const auto gradient = [&](int di, int dj) {
-    const double angle = 2 * std::numbers::pi * lattice_hash((i + di) % frequency_u, (j + dj) % frequency_v, seed);
+    const double angle =
+        2 * std::numbers::pi * lattice_hash((i + di) % frequency_u, (j + dj) % frequency_v, seed);
     return std::cos(angle) * (x - i - di) + std::sin(angle) * (y - j - dj);
   };
   const auto fade = [](double t) { return t * t * t * (t * (t * 6 - 15) + 10); };

@@ -2,8 +2,8 @@
 //
 // Three frames are used for a textured rectangle:
 //   uv      (u, v) in 0..1; u to the right of the image, v **up** the image (v = 0 is the bottom row)
-//   local   (x, y, z) in metres along (t, b, n), from the corner u = v = 0; z = 0 is the base plane and the relief is at z = -depth
-//   world   metres
+//   local   (x, y, z) in metres along (t, b, n), from the corner u = v = 0; z = 0 is the base plane and the
+//   relief is at z = -depth world   metres
 #pragma once
 
 #include "intaglio/core/vec.h"
@@ -12,8 +12,8 @@ namespace intaglio::surface {
 
 class Placement {
  public:
-  // A rectangle of size_u x size_v metres whose middle is at `centre`, lying flat in the world when `orientation` is the
-  // identity: t = +X, b = -Z, n = +Y.
+  // A rectangle of size_u x size_v metres whose middle is at `centre`, lying flat in the world when
+  // `orientation` is the identity: t = +X, b = -Z, n = +Y.
   Placement(const Vec3& centre, const Quat& orientation, double size_u, double size_v)
       : size_u_(size_u), size_v_(size_v) {
     axes_.col(0) = orientation * Vec3::UnitX();

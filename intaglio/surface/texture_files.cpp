@@ -21,24 +21,27 @@ struct NamedRole {
 
 // In order: the first that occurs in the lower-case name decides.
 constexpr std::array<NamedRole, 27> named_roles{{
-    {"relief", Role::normal},
-    {"normalgl", Role::normal_gl}, {"normal_gl", Role::normal_gl}, {"nor_gl", Role::normal_gl}, {"nrm_gl", Role::normal_gl},
-    {"normaldx", Role::normal_dx}, {"normal_dx", Role::normal_dx}, {"nor_dx", Role::normal_dx}, {"nrm_dx", Role::normal_dx},
-    {"normal", Role::normal},      {"_norm", Role::normal},        {"_nrm", Role::normal},      {"_nor", Role::normal},
-    {"_nm", Role::normal},         {"disp", Role::height},         {"height", Role::height},    {"bump", Role::height},
-    {"_ao", Role::other},          {"rough", Role::other},         {"metal", Role::other},      {"spec", Role::other},
-    {"arm", Role::other},          {"diff", Role::colour},         {"color", Role::colour},     {"colour", Role::colour},
-    {"albedo", Role::colour},      {"basecol", Role::colour},
+    {"relief", Role::normal},       {"normalgl", Role::normal_gl}, {"normal_gl", Role::normal_gl},
+    {"nor_gl", Role::normal_gl},    {"nrm_gl", Role::normal_gl},   {"normaldx", Role::normal_dx},
+    {"normal_dx", Role::normal_dx}, {"nor_dx", Role::normal_dx},   {"nrm_dx", Role::normal_dx},
+    {"normal", Role::normal},       {"_norm", Role::normal},       {"_nrm", Role::normal},
+    {"_nor", Role::normal},         {"_nm", Role::normal},         {"disp", Role::height},
+    {"height", Role::height},       {"bump", Role::height},        {"_ao", Role::other},
+    {"rough", Role::other},         {"metal", Role::other},        {"spec", Role::other},
+    {"arm", Role::other},           {"diff", Role::colour},        {"color", Role::colour},
+    {"colour", Role::colour},       {"albedo", Role::colour},      {"basecol", Role::colour},
 }};
 
 std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return text;
 }
 
 bool is_image(const fs::path& path) {
   const std::string extension = lower(path.extension().string());
-  return extension == ".png" || extension == ".jpg" || extension == ".jpeg" || extension == ".tga" || extension == ".exr";
+  return extension == ".png" || extension == ".jpg" || extension == ".jpeg" || extension == ".tga" ||
+         extension == ".exr";
 }
 
 // The role a file's name claims; an image whose name claims none is the colour map.
@@ -56,7 +59,9 @@ Result<TextureFiles> search_folder(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     if (entry.is_regular_file(error) && is_image(entry.path())) images.push_back(entry.path());
   }
-  if (images.empty()) return fail(folder.string(), "holds no PNG, JPEG, TGA or EXR image", "name a folder with a normal or height map");
+  if (images.empty())
+    return fail(folder.string(), "holds no PNG, JPEG, TGA or EXR image",
+                "name a folder with a normal or height map");
   std::sort(images.begin(), images.end());  // the same choice on every machine
   TextureFiles files;
   const auto take = [&](Role role, fs::path& slot) {
@@ -74,7 +79,8 @@ Result<TextureFiles> search_folder(const fs::path& folder) {
   return files;
 }
 
-// The image of that role that lies beside `image` and shares its name but for the role; of several, the first by name.
+// The image of that role that lies beside `image` and shares its name but for the role; of several, the first
+// by name.
 fs::path beside(const fs::path& image, Role role) {
   std::error_code error;
   const std::string stem = lower(image.stem().string());
@@ -92,7 +98,9 @@ fs::path beside(const fs::path& image, Role role) {
 
 }  // namespace
 
-bool named_directx(const fs::path& path) { return role_of(path) == Role::normal_dx; }
+bool named_directx(const fs::path& path) {
+  return role_of(path) == Role::normal_dx;
+}
 
 Result<TextureFiles> find_texture_files(const fs::path& path) {
   std::error_code error;

@@ -12,9 +12,10 @@ struct TextureFiles {
   std::filesystem::path normal, height, colour;
 };
 
-// `path` is a folder, searched by the usual names (nor_gl, NormalDX, disp, height, diff, Color, ...; an image whose name claims no
-// role is the colour map), or one image. That image is then in `normal`, whatever it is: the caller decides by its pixels. The
-// height and colour maps that lie beside it under the same name are found as well.
+// `path` is a folder, searched by the usual names (nor_gl, NormalDX, disp, height, diff, Color, ...; an image
+// whose name claims no role is the colour map), or one image. That image is then in `normal`, whatever it is:
+// the caller decides by its pixels. The height and colour maps that lie beside it under the same name are
+// found as well.
 Result<TextureFiles> find_texture_files(const std::filesystem::path& path);
 
 // Whether a normal map's name says that its green channel is -Y (DirectX).

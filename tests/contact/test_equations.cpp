@@ -9,7 +9,9 @@ using namespace intaglio;
 namespace {
 
 Vec3 any_vector(int range) {
-  return Vec3(*rc::gen::inRange(-range, range), *rc::gen::inRange(-range, range), *rc::gen::inRange(-range, range)) / 100.0;
+  return Vec3(*rc::gen::inRange(-range, range), *rc::gen::inRange(-range, range),
+              *rc::gen::inRange(-range, range)) /
+         100.0;
 }
 
 Vec3 any_direction() {

@@ -29,14 +29,16 @@ TEST_CASE("§1.3.1: directional contacts are the most negative height difference
   const auto s = tests::brick_surface(64);
   Random random(31);
   for (int k = 0; k < 100; ++k) {
-    const Sphere sphere{Vec3(random.uniform(-0.4, 0.4), random.uniform(0.02, 0.04), random.uniform(-0.4, 0.4)), 0.04};
+    const Sphere sphere{
+        Vec3(random.uniform(-0.4, 0.4), random.uniform(0.02, 0.04), random.uniform(-0.4, 0.4)), 0.04};
     const Vec3 local = s->placement().to_local(sphere.centre);
     double deepest = 1;
     for (int j = 0; j < 64; ++j) {
       for (int i = 0; i < 64; ++i) {
         const double x = (i + 0.5) / 64 - local.x();
         const double y = (j + 0.5) / 64 - local.y();
-        if (x * x + y * y < 0.04 * 0.04) deepest = std::min(deepest, local.z() - std::sqrt(0.04 * 0.04 - x * x - y * y) - s->texel_z(i, j));
+        if (x * x + y * y < 0.04 * 0.04)
+          deepest = std::min(deepest, local.z() - std::sqrt(0.04 * 0.04 - x * x - y * y) - s->texel_z(i, j));
       }
     }
     const ContactSet set = directional_contacts(*s, sphere, 0);
@@ -50,7 +52,8 @@ TEST_CASE("§1.3.1: directional contacts are the most negative height difference
 }
 
 TEST_CASE("on a flat relief every method finds the plane's contact") {
-  const auto s = tests::made_surface(64, [](Vec2) { return 0.0; }, [](Vec2) { return Vec3::UnitZ(); });
+  const auto s = tests::made_surface(
+      64, [](Vec2) { return 0.0; }, [](Vec2) { return Vec3::UnitZ(); });
   const Sphere sphere{Vec3(0.1, 0.038, -0.2), 0.04};
   for (const auto method : {relief_contacts, normal_map_contacts, flat_contacts}) {
     const ContactSet set = method(*s, sphere, 0.001);
@@ -70,7 +73,8 @@ TEST_CASE("moving the sphere out along its contact normal by the penetration mak
     REQUIRE(set.count > 0);
     const ContactPoint& deepest = set.points[0];
     CHECK(deepest.distance < 0);
-    CHECK((sphere.centre - deepest.point).norm() == doctest::Approx(sphere.radius + deepest.distance).epsilon(1e-9));
+    CHECK((sphere.centre - deepest.point).norm() ==
+          doctest::Approx(sphere.radius + deepest.distance).epsilon(1e-9));
     CHECK(deepest.normal.dot((sphere.centre - deepest.point).normalized()) == doctest::Approx(1));
   }
 }
@@ -101,6 +105,7 @@ TEST_CASE("degenerate spheres are answered with nothing, not with nonsense") {
     CHECK(method(*s, {Vec3(0, std::numeric_limits<double>::infinity(), 0), 0.04}, 0.001).count == 0);
     CHECK(method(*s, {Vec3(1e6, 0, 0), 0.04}, 0.001).count == 0);
     CHECK(method(*s, {Vec3(0, 1e6, 0), 0.04}, 0.001).count == 0);
-    for (const ContactPoint& contact : method(*s, {Vec3(0.1, 0, 0.1), 0}, 0.001)) CHECK(contact.point.allFinite());
+    for (const ContactPoint& contact : method(*s, {Vec3(0.1, 0, 0.1), 0}, 0.001))
+      CHECK(contact.point.allFinite());
   }
 }

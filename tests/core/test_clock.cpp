@@ -11,7 +11,8 @@ TEST_CASE("every loop has a whole number of ticks a period") {
 
 TEST_CASE("loops do not drift: after an hour each has made exactly rate x 3600 steps") {
   const Clock clock({480, 1000, 44100, 30});
-  for (const int rate : {480, 1000, 44100, 30}) CHECK(clock.seconds(clock.due(std::int64_t{rate} * 3600, rate)) == 3600.0);
+  for (const int rate : {480, 1000, 44100, 30})
+    CHECK(clock.seconds(clock.due(std::int64_t{rate} * 3600, rate)) == 3600.0);
 }
 
 TEST_CASE("steps cover a duration and no more") {

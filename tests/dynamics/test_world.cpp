@@ -30,7 +30,8 @@ WorldOptions options_for(Representation representation) {
 
 double energy(const World& world, const SphereBody& ball) {
   const double inertia = 0.4 * ball.mass() * ball.radius * ball.radius;
-  return 0.5 * ball.mass() * world.velocity(1).squaredNorm() + 0.5 * inertia * world.angular_velocity(1).squaredNorm() +
+  return 0.5 * ball.mass() * world.velocity(1).squaredNorm() +
+         0.5 * inertia * world.angular_velocity(1).squaredNorm() +
          ball.mass() * 9.81 * world.pose(1).position.y();
 }
 
@@ -73,7 +74,8 @@ TEST_CASE("a ball comes to rest in the mortar, lower than on a brick, and stays 
 }
 
 TEST_CASE("on a uniformly tilted normal map a ball accelerates down the implied slope (Eq. 1.1, 1.2)") {
-  // The literal method sinks on steep maps (docs/equations.md); at 5 degrees it is right within some per cent.
+  // The literal method sinks on steep maps (docs/equations.md); at 5 degrees it is right within some per
+  // cent.
   const double tilt = 5;
   World world(tests::tilted_normals(tilt), *find_material("brick"), options_for(Representation::normal));
   world.add(ball_at({-0.4, 0.04, 0}));
@@ -142,7 +144,9 @@ TEST_CASE("two runs are the same to the bit; the paper's method and ours both wo
 }
 
 TEST_CASE("a dropped ball bounces back with the pair's restitution, and flies back no higher than that") {
-  World world(tests::made_surface(64, [](Vec2) { return 0.0; }, [](Vec2) { return Vec3::UnitZ(); }), *find_material("brick"), {});
+  World world(tests::made_surface(
+                  64, [](Vec2) { return 0.0; }, [](Vec2) { return Vec3::UnitZ(); }),
+              *find_material("brick"), {});
   const SphereBody ball = ball_at({0, 0.34, 0});  // falls 0.3 m
   world.add(ball);
   double highest = 0;

@@ -11,7 +11,11 @@ using namespace intaglio::haptics;
 
 namespace {
 
-Vec3 any_vector() { return Vec3(*rc::gen::inRange(-1000, 1000), *rc::gen::inRange(-1000, 1000), *rc::gen::inRange(-1000, 1000)) / 100.0; }
+Vec3 any_vector() {
+  return Vec3(*rc::gen::inRange(-1000, 1000), *rc::gen::inRange(-1000, 1000),
+              *rc::gen::inRange(-1000, 1000)) /
+         100.0;
+}
 
 Vec3 any_direction() {
   Vec3 v = any_vector();
@@ -49,7 +53,8 @@ TEST_CASE("the plane's force pushes along n_s and never pulls") {
 TEST_CASE("§1.3.2: in relief the tip collides only below the depth map") {
   const auto s = tests::brick_surface(128);
   CHECK(rc::check("depth test", [&] {
-    const Vec3 tip(*rc::gen::inRange(0, 1000) / 1000.0, *rc::gen::inRange(0, 1000) / 1000.0, *rc::gen::inRange(-30, 10) / 1000.0);
+    const Vec3 tip(*rc::gen::inRange(0, 1000) / 1000.0, *rc::gen::inRange(0, 1000) / 1000.0,
+                   *rc::gen::inRange(-30, 10) / 1000.0);
     const DepthTest relief = depth_test(*s, Representation::relief, tip);
     RC_ASSERT(relief.collides == (tip.z() < -s->depth({tip.x(), tip.y()})));
     RC_ASSERT(std::abs(relief.projected.z() + s->depth({tip.x(), tip.y()})) < 1e-12);

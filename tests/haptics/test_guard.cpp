@@ -19,7 +19,9 @@ TEST_CASE("whatever is asked for, the device gets a finite force within the peak
     Vec3 last = Vec3::Zero();
     for (int k = 0; k < 1200; ++k) {
       const double size = *rc::gen::elementOf(std::vector<double>{0, 1e-3, 1, 5, 7.9, 8, 1e3, 1e12, 1e300});
-      const Vec3 wanted = size * Vec3(*rc::gen::inRange(-10, 10), *rc::gen::inRange(-10, 10), *rc::gen::inRange(-10, 10)) / 10.0;
+      const Vec3 wanted =
+          size * Vec3(*rc::gen::inRange(-10, 10), *rc::gen::inRange(-10, 10), *rc::gen::inRange(-10, 10)) /
+          10.0;
       const Vec3 force = guard.pass(wanted, 0.001).newtons();
       RC_ASSERT(force.allFinite());
       RC_ASSERT(force.norm() <= 7.9 * (1 + 1e-12));
@@ -40,7 +42,8 @@ TEST_CASE("the ramp-in takes half a second") {
 }
 
 TEST_CASE("not-a-number gives zero and latches until rearmed") {
-  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     Guard guard{{}};
     for (int k = 0; k < 600; ++k) guard.pass({0, 2, 0}, 0.001);
     CHECK(guard.pass({0, bad, 0}, 0.001).newtons().norm() == 0);

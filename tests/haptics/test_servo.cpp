@@ -22,13 +22,18 @@ void* operator new(std::size_t size) {
   if (void* memory = std::malloc(size)) return memory;
   throw std::bad_alloc();
 }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
 
 namespace {
 
 SimulatedDevice pressing_hand(double depth) {
-  return SimulatedDevice({}, {}, {{0, {-0.05, 0.02, 0}}, {0.5, {-0.05, -depth, 0}}, {2.5, {0.05, -depth, 0.01}}});
+  return SimulatedDevice({}, {},
+                         {{0, {-0.05, 0.02, 0}}, {0.5, {-0.05, -depth, 0}}, {2.5, {0.05, -depth, 0.01}}});
 }
 
 }  // namespace
@@ -57,10 +62,13 @@ TEST_CASE("in relief the dragged tip follows the relief; on the normal map it st
       lowest = std::min(lowest, sample.tip.y());
       ++n;
     }
-    const double correlation = (n * sum_ts - sum_t * sum_s) / std::sqrt((n * sum_tt - sum_t * sum_t) * (n * sum_ss - sum_s * sum_s));
-    MESSAGE("correlation of tip and relief height: " << correlation << ", lowest tip " << lowest * 1e3 << " mm");
+    const double correlation =
+        (n * sum_ts - sum_t * sum_s) / std::sqrt((n * sum_tt - sum_t * sum_t) * (n * sum_ss - sum_s * sum_s));
+    MESSAGE("correlation of tip and relief height: " << correlation << ", lowest tip " << lowest * 1e3
+                                                     << " mm");
     if (representation == Representation::relief) CHECK(correlation > 0.8);
-    if (representation == Representation::relief) CHECK(lowest < -0.0025);  // it went into the mortar, 3.2 mm deep
+    if (representation == Representation::relief)
+      CHECK(lowest < -0.0025);  // it went into the mortar, 3.2 mm deep
   }
 }
 
@@ -84,7 +92,9 @@ TEST_CASE("a device that reports not-a-number is let go of, and felt again after
     Vec3 read() override { return position; }
     void write(const GuardedForce& f) override { force = f.newtons(); }
   } device;
-  PenServo servo(tests::made_surface(8, [](Vec2) { return 0.0; }, [](Vec2) { return Vec3::UnitZ(); }), {});
+  PenServo servo(tests::made_surface(
+                     8, [](Vec2) { return 0.0; }, [](Vec2) { return Vec3::UnitZ(); }),
+                 {});
   for (int k = 0; k < 600; ++k) servo.tick(device);
   CHECK(device.force.y() == doctest::Approx(1.2).epsilon(0.02));
   device.position.x() = std::numeric_limits<double>::quiet_NaN();
@@ -98,7 +108,9 @@ TEST_CASE("a device that reports not-a-number is let go of, and felt again after
   CHECK(device.force.y() == doctest::Approx(1.2).epsilon(0.02));
 }
 
-TEST_CASE("the simulated hand reaches its waypoints when nothing is in the way, and encoders have their resolution") {
+TEST_CASE(
+    "the simulated hand reaches its waypoints when nothing is in the way, and encoders have their "
+    "resolution") {
   SimulatedDevice device({}, {}, {{0, {0, 0, 0}}, {1, {0.03, 0.02, -0.01}}});
   for (int k = 0; k < 1500; ++k) device.advance(0.001);
   CHECK((device.position() - Vec3(0.03, 0.02, -0.01)).norm() < 1e-4);

@@ -14,7 +14,9 @@ std::string error_of(const std::string& text) {
   return scene ? "" : scene.error().message();
 }
 
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
 
 }  // namespace
 

@@ -62,14 +62,17 @@ TEST_CASE("nothing that touches, nothing that sounds") {
 
 TEST_CASE("every representation runs, and the senses get the same texture") {
   for (const char* representation : {"flat", "normal", "relief"}) {
-    const Recording recording = run("duration = 1.2\n[surface]\nrepresentation = \"" + std::string(representation) +
-                                    "\"\n[pen]\npath = [[0, -0.02, 0.01, 0], [0.3, -0.02, -0.01, 0], [1.2, 0.06, -0.01, 0.02]]\n");
+    const Recording recording =
+        run("duration = 1.2\n[surface]\nrepresentation = \"" + std::string(representation) +
+            "\"\n[pen]\npath = [[0, -0.02, 0.01, 0], [0.3, -0.02, -0.01, 0], [1.2, 0.06, -0.01, 0.02]]\n");
     CHECK(recording.servo.size() > 1000);
-    CHECK(std::any_of(recording.servo.begin(), recording.servo.end(), [](const auto& s) { return s.touching; }));
+    CHECK(std::any_of(recording.servo.begin(), recording.servo.end(),
+                      [](const auto& s) { return s.touching; }));
     for (const ContactEvent& event : recording.events) {
       // What is felt is what the map says at that place.
       const Vec3 map = recording.surface->world_normal(event.uv);
-      if (event.phase != ContactPhase::end && recording.representation != Representation::flat) CHECK((event.n_s - map).norm() < 1e-9);
+      if (event.phase != ContactPhase::end && recording.representation != Representation::flat)
+        CHECK((event.n_s - map).norm() < 1e-9);
     }
     CHECK(rms(recording.audio, 0.3, 1.2) > 0);
   }

@@ -19,10 +19,12 @@ Vec3 SimulatedDevice::read() {
 }
 
 Vec3 SimulatedDevice::wanted(double t) const {
-  const auto after = std::upper_bound(path_.begin(), path_.end(), t, [](double time, const Waypoint& w) { return time < w.time; });
+  const auto after = std::upper_bound(path_.begin(), path_.end(), t,
+                                      [](double time, const Waypoint& w) { return time < w.time; });
   if (after == path_.begin()) return path_.front().position;
   if (after == path_.end()) return path_.back().position;
-  // Hermite between two waypoints, with tangents by the times of their neighbours (zero at both ends of the path).
+  // Hermite between two waypoints, with tangents by the times of their neighbours (zero at both ends of the
+  // path).
   const auto k = static_cast<std::size_t>(after - path_.begin()) - 1;
   const auto tangent = [&](std::size_t i) -> Vec3 {
     if (i == 0 || i + 1 == path_.size()) return Vec3::Zero();
@@ -32,7 +34,8 @@ Vec3 SimulatedDevice::wanted(double t) const {
   const double s = (t - path_[k].time) / span;
   const double s2 = s * s;
   const double s3 = s2 * s;
-  return (2 * s3 - 3 * s2 + 1) * path_[k].position + (s3 - 2 * s2 + s) * span * tangent(k) + (3 * s2 - 2 * s3) * path_[k + 1].position + (s3 - s2) * span * tangent(k + 1);
+  return (2 * s3 - 3 * s2 + 1) * path_[k].position + (s3 - 2 * s2 + s) * span * tangent(k) +
+         (3 * s2 - 2 * s3) * path_[k + 1].position + (s3 - s2) * span * tangent(k + 1);
 }
 
 void SimulatedDevice::advance(double dt) {

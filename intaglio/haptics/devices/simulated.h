@@ -1,7 +1,8 @@
 // A simulated PHANToM Desktop in a simulated hand.
 //
-// The hand holds the grip with a spring and a damper and wants it to be on a scripted path; device and hand together have a
-// mass. Encoders have the PHANToM's resolution. Deterministic; real-time (no allocation after construction).
+// The hand holds the grip with a spring and a damper and wants it to be on a scripted path; device and hand
+// together have a mass. Encoders have the PHANToM's resolution. Deterministic; real-time (no allocation after
+// construction).
 #pragma once
 
 #include <vector>
@@ -12,21 +13,21 @@ namespace intaglio::haptics {
 
 // Where the hand wants the tip to be at a time: between waypoints the path is a smooth Catmull-Rom curve.
 struct Waypoint {
-  double time = 0;                // s
-  Vec3 position = Vec3::Zero();   // m, device workspace
+  double time = 0;               // s
+  Vec3 position = Vec3::Zero();  // m, device workspace
 };
 
 struct Hand {
-  double mass = 0.12;         // kg, of hand and device together at the tip
-  double stiffness = 350;     // N/m
-  double damping = 6;         // N s/m
+  double mass = 0.12;      // kg, of hand and device together at the tip
+  double stiffness = 350;  // N/m
+  double damping = 6;      // N s/m
 };
 
 struct DeviceModel {
-  double resolution = 2.3e-5;                 // m, of the encoders
-  Vec3 workspace = Vec3(0.16, 0.12, 0.12);    // m
-  double peak_force = 7.9;                    // N
-  double rate = 1000;                         // Hz
+  double resolution = 2.3e-5;               // m, of the encoders
+  Vec3 workspace = Vec3(0.16, 0.12, 0.12);  // m
+  double peak_force = 7.9;                  // N
+  double rate = 1000;                       // Hz
 };
 
 class SimulatedDevice : public Device {
