@@ -1,24 +1,33 @@
-// Any bytes as an image file: an image or one clear error, never a crash, a leak or a huge allocation.
+// Any bytes as an image file of one format: an image or one clear error, never a crash, a leak or a huge
+// allocation. Built once for each decoder, which DECODE names.
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 
-#include "intaglio/surface/image_file.h"
+#include "intaglio/surface/image_formats.h"
 
-// The declared size of an image is bounded by the limits of image_file.h, but 64 Mpx is too slow to fuzz
-// with: skip what declares more than 1 Mpx. PNG keeps its size in bytes 16 to 23.
-static bool too_slow(const std::uint8_t* data, std::size_t size) {
-  if (size < 24 || data[0] != 0x89) return false;
-  const auto number = [&](int at) {
-    return std::uint64_t{data[at]} << 24 | std::uint64_t{data[at + 1]} << 16 |
-           std::uint64_t{data[at + 2]} << 8 | data[at + 3];
-  };
-  return number(16) * number(20) > (1u << 20);
+using namespace intaglio::surface;
+
+// What users may decode is too slow to fuzz with.
+constexpr ImageLimits limits{2048, 1u << 18};
+
+static void require(bool condition) {
+  if (!condition) std::abort();
 }
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  if (too_slow(data, size)) return 0;
-  const auto image = intaglio::surface::decode_image({data, size}, "fuzz");
-  if (!image && image.error().message().find('\n') != std::string::npos) std::abort();
+  const auto image = DECODE({data, size}, "fuzz", limits);
+  if (!image) {
+    const std::string message = image.error().message();
+    require(message.find("fuzz: ") == 0 && message.find_first_of("\n\r") == std::string::npos);
+    return 0;
+  }
+  const auto& pixels = image->pixels;
+  require(pixels.width > 0 && pixels.height > 0 &&
+          std::uint64_t(pixels.width) * std::uint64_t(pixels.height) <= limits.pixels);
+  require(pixels.channels == 1 || pixels.channels == 3 || pixels.channels == 4);
+  require(image->bit_depth == 8 || image->bit_depth == 16 || image->bit_depth == 32);
+  for (const float value : pixels.data) require(std::isfinite(value));
   return 0;
 }

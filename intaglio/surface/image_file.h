@@ -1,5 +1,12 @@
-// Image files: PNG (1 to 16 bits a sample) and JPEG, decoded from memory, with limits on what untrusted files may ask for.
-// Errors name the file and, where the decoder knows it, what is broken.
+// Image files, decoded from memory, with limits on what untrusted files may ask for:
+//   PNG    1 to 16 bits a sample, palette, interlaced                                   libspng
+//   JPEG   baseline and progressive, grey or colour                                     libjpeg-turbo
+//   TGA    grey 8 bit, true colour 24 and 32 bit; raw and run-length; all four origins  image_tga.cpp
+//   EXR    scan lines or tiles, half or float; R G B (A), Y (A), or one channel of any name   OpenEXR
+// A file's first bytes say what it is; TGA has no signature, so it is known by ".tga" or by a header that
+// makes sense. The size a file declares is checked before anything of that size is allocated. Errors name the
+// file and the byte, or for JPEG, whose decoder does not tell, the file's size. Any thread; no threads are
+// started.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +19,28 @@
 
 namespace intaglio::surface {
 
-inline constexpr std::uint32_t max_side = 16384;
-inline constexpr std::uint64_t max_pixels = 64ull << 20;
-
-struct DecodedImage {
-  Image<float> pixels;  // 1 (grey), 3 (RGB) or 4 (RGBA) channels, 0..1; row 0 = top
-  int bit_depth = 8;  // of the file
+// What is larger is refused.
+struct ImageLimits {
+  std::uint32_t side = 16384;
+  std::uint64_t pixels = 64ull << 20;
 };
 
-Result<DecodedImage> decode_image(std::span<const std::uint8_t> bytes, const std::string& name);
+struct DecodedImage {
+  // 1 (grey), 3 (RGB) or 4 (RGBA) channels; row 0 = top and column 0 = left, whatever the order in the file.
+  // Integer samples are v / (2^bits - 1), so 0..1; EXR samples are as stored and finite. Neither is
+  // gamma-decoded, and colour is not divided by alpha. A TGA of 32 bits keeps its alpha even where its header
+  // claims 0 alpha bits, as games do.
+  Image<float> pixels;
+  int bit_depth = 8;                  // of a sample: 8 (or fewer), 16 (also half) or 32 (float)
+  bool rows_flipped_in_file = false;  // the file stores the bottom row first, as most TGA files do
+};
+
+// `name` begins every error; its extension is looked at only for TGA.
+Result<DecodedImage> decode_image(std::span<const std::uint8_t> bytes, const std::string& name,
+                                  const ImageLimits& limits = {});
 Result<DecodedImage> read_image(const std::filesystem::path& path);
+
+// Whether the extension is one of an image file: .png .jpg .jpeg .tga .exr, in any case.
+bool has_image_extension(const std::filesystem::path& path);
 
 }  // namespace intaglio::surface

@@ -1,33 +1,15 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <limits>
-#include <new>
 
 #include "intaglio/haptics/devices/simulated.h"
 #include "intaglio/haptics/servo.h"
+#include "tests/count_allocations.h"
 #include "tests/surface/brick_surface.h"
 
 using namespace intaglio;
 using namespace intaglio::haptics;
-
-namespace {
-// Every allocation of this program is counted; the servo tick may make none.
-std::size_t allocations = 0;
-}  // namespace
-
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
 
 namespace {
 
@@ -77,12 +59,12 @@ TEST_CASE("a tick does not allocate") {
   SimulatedDevice device = pressing_hand(0.004);
   PenServo servo(s, {});
   servo.tick(device);
-  const std::size_t before = allocations;
+  const std::size_t before = allocations();
   for (int k = 0; k < 2000; ++k) {
     servo.tick(device);
     device.advance(0.001);
   }
-  CHECK(allocations == before);
+  CHECK(allocations() == before);
 }
 
 TEST_CASE("a device that reports not-a-number is let go of, and felt again after rearming") {

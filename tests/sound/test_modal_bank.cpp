@@ -6,7 +6,7 @@
 
 #include "intaglio/sound/denormals.h"
 #include "intaglio/sound/modal_bank.h"
-#include "tests/sound/count_allocations.h"
+#include "tests/count_allocations.h"
 #include "tests/sound/models.h"
 
 using namespace intaglio;

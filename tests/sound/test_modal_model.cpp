@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "intaglio/core/random.h"
-#include "tests/sound/count_allocations.h"
+#include "tests/count_allocations.h"
 #include "tests/sound/models.h"
 
 using namespace intaglio;

@@ -8,7 +8,7 @@
 #include "intaglio/core/random.h"
 #include "intaglio/sound/pulse_pool.h"
 #include "intaglio/sound/synthesizer.h"
-#include "tests/sound/count_allocations.h"
+#include "tests/count_allocations.h"
 #include "tests/sound/models.h"
 
 using namespace intaglio;

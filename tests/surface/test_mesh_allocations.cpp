@@ -1,41 +1,20 @@
-// Alone in its file: where the compiler sees both a replaced operator new and its callers, it warns of a
-// mismatch.
 #include <doctest/doctest.h>
 
-#include <atomic>
-#include <cstdlib>
 #include <limits>
-#include <new>
 
+#include "tests/count_allocations.h"
 #include "tests/surface/test_mesh_shapes.h"
 
 using namespace intaglio;
 using namespace intaglio::surface;
 using namespace intaglio::tests;
 
-namespace {
-// Every allocation of this program is counted; queries may make none.
-std::atomic<std::size_t> allocations = 0;
-}  // namespace
-
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
-
 TEST_CASE("queries do not allocate, and answer any point") {
   const auto placement = MeshPlacement::make(make_sphere(0.5, 64, 32));
   REQUIRE(placement);
   Random random(7);
   const double inf = std::numeric_limits<double>::infinity();
-  const std::size_t before = allocations;
+  const std::size_t before = allocations();
   int found = 0;
   for (int k = 0; k < 1000; ++k) {
     const auto at = placement->closest(any_vector(random, 1), 0.4);
@@ -46,7 +25,7 @@ TEST_CASE("queries do not allocate, and answer any point") {
     if (placement->closest(p, inf) && p.x() != 1e30) found = -1;
     if (placement->closest(p, 1)) found = -1;
   }
-  CHECK(allocations == before);
+  CHECK(allocations() == before);
   CHECK(found > 100);
   CHECK_FALSE(placement->closest(Vec3(0.6, 0, 0), std::nan("")));
   CHECK_FALSE(placement->closest(Vec3(0.6, 0, 0), 0.05));

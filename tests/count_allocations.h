@@ -1,0 +1,11 @@
+// Counts calls of operator new in a test program, for code that must not allocate, or not as much as a file claims. Programs that do
+// not ask keep their own operator new.
+#pragma once
+
+#include <cstddef>
+
+// Calls so far.
+std::size_t allocations();
+// The largest single request since the last forget_allocations(), bytes.
+std::size_t largest_allocation();
+void forget_allocations();
