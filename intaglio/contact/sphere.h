@@ -20,7 +20,8 @@ ContactSet relief_contacts(const surface::Surface& surface, const Sphere& sphere
 // Relief, the paper's: the sphere is rasterised to a height map at the texture's resolution along n_g and
 // compared with the depth texel by texel; the most negative distances are contacts, with the map's normals.
 // At most one contact in each quadrant of the sphere's footprint, so that a body in a groove is held from
-// both sides. §1.3.1, Sterling & Lin 2016
+// both sides.
+// §1.3.1, Sterling & Lin 2016
 ContactSet directional_contacts(const surface::Surface& surface, const Sphere& sphere, double margin);
 
 // Normal map: one contact with the flat rectangle, its normal replaced by the sampled n_s and its point by q

@@ -15,7 +15,8 @@ struct Plane {
 };
 
 // The plane through p, the tip projected onto the surface, with the sampled unit normal n_s: n_s . x - n_s .
-// p = 0. Eq. 1.3, Sterling & Lin 2016, §1.2.4
+// p = 0.
+// Eq. 1.3, Sterling & Lin 2016, §1.2.4
 inline Plane tangent_plane(const Vec3& p, const Vec3& n_s) {
   return {n_s, n_s.dot(p)};
 }

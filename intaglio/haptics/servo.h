@@ -53,7 +53,8 @@ struct DepthTest {
 };
 
 // Whether the tip (local frame) collides, and the point of the surface under it: in relief only below the
-// depth map, otherwise below the base plane; never beside the rectangle. §1.3.2, Sterling & Lin 2016
+// depth map, otherwise below the base plane; never beside the rectangle.
+// §1.3.2, Sterling & Lin 2016
 DepthTest depth_test(const surface::Surface& surface, Representation representation, const Vec3& tip_local);
 
 class PenServo {
