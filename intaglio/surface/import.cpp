@@ -39,6 +39,7 @@ Result<Loaded> load(const TextureFiles& files, bool single) {
   if (!files.normal.empty()) {
     auto image = read_image(files.normal);
     if (!image) return tl::unexpected(image.error());
+    encode_signed_normals(image->pixels);
     const bool normals = image->pixels.channels >= 3 && looks_like_normals(image->pixels);
     if (!single && image->pixels.channels < 3)
       return fail(files.normal.string(), "is a grey image, but its name says normal map", "rename it");
@@ -83,6 +84,7 @@ class Conversion {
     if (has_normals()) slopes_ = read_slopes(loaded_.normal.pixels, &out_.report.clamped_normals);
     if (has_height()) {
       height_ = read_height(loaded_.height.pixels, loaded_.height_channel);
+      if (normalise(height_)) note("the height's values, beyond 0..1, are stretched to that range");
       if (has_normals() && (height_.width != slopes_.x.width || height_.height != slopes_.x.height))
         fit_height();
     }

@@ -22,6 +22,25 @@ Vec3 vector_at(const Pixels& image, int x, int y) {
 
 }  // namespace
 
+void encode_signed_normals(Pixels& image) {
+  if (image.channels < 3 || std::none_of(image.data.begin(), image.data.end(), [](float v) { return v < 0; }))
+    return;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      for (int c = 0; c < 3; ++c) image.at(x, y, c) = 0.5f * image.at(x, y, c) + 0.5f;
+    }
+  }
+}
+
+bool normalise(Field& field) {
+  const auto [low, high] = std::minmax_element(field.value.begin(), field.value.end());
+  if (field.empty() || (*low >= 0 && *high <= 1)) return false;
+  const double from = *low;
+  const double range = std::max(1e-30, static_cast<double>(*high) - from);
+  for (float& v : field.value) v = static_cast<float>((static_cast<double>(v) - from) / range);
+  return true;
+}
+
 bool looks_like_normals(const Pixels& image) {
   std::size_t unit = 0;
   for (int y = 0; y < image.height; ++y) {
@@ -69,7 +88,7 @@ Field read_height(const Pixels& image, int channel) {
     for (int x = 0; x < image.width; ++x) {
       const bool brightness = image.channels == 3 || (image.channels == 4 && channel != 3);
       height.at(x, flipped(y, image.height)) =
-          brightness ? (image.at(x, y, 0) + image.at(x, y, 1) + image.at(x, y, 2)) / 3
+          brightness ? image.at(x, y, 0) / 3 + image.at(x, y, 1) / 3 + image.at(x, y, 2) / 3
                      : image.at(x, y, channel);
     }
   }

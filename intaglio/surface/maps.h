@@ -9,12 +9,17 @@
 
 namespace intaglio::surface {
 
-// What decoded pixels are kept in: 0..1.
+// What decoded pixels are kept in: 0..1, but for floating-point files, which may hold anything finite.
 using Pixels = Image<float>;
 
 // Normal maps have vectors of nearly unit length that point up.
 bool looks_like_normals(const Pixels& image);
 bool is_constant(const Pixels& image, int channel);
+
+// Normals that a floating-point file holds as they are, -1..1, become 0..1 like everyone's.
+void encode_signed_normals(Pixels& image);
+// Stretches values to 0..1 when some lie outside; whether it did.
+bool normalise(Field& field);
 
 // Slopes of a normal map, green +Y assumed, held within max_slope; `clamped` receives the fraction that was.
 Slopes read_slopes(const Pixels& image, double* clamped);

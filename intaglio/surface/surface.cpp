@@ -4,87 +4,132 @@
 #include <cassert>
 #include <cmath>
 
+#include "intaglio/surface/mip_filter.h"
+
 namespace intaglio::surface {
-
-namespace {
-
-// Splits a texel coordinate into the cell's index and the place in it.
-struct Split {
-  int index;
-  double fraction;
-
-  explicit Split(double coordinate) {
-    // Far outside (a body a million metres away) the texture is periodic anyway: stay within int.
-    const double bounded = std::clamp(coordinate, -1e9, 1e9);
-    const double floor = std::floor(bounded);
-    index = static_cast<int>(floor);
-    fraction = bounded - floor;
-  }
-};
-
-}  // namespace
 
 Surface::Surface(Texels texels, const Placement& placement, double max_depth, Edge edge)
     : placement_(placement),
-      width_(texels.width),
-      height_(texels.height),
+      grid_{texels.width, texels.height, edge},
       max_depth_(max_depth),
-      edge_(edge),
       depth_(std::move(texels.depth)),
       colour_(std::move(texels.colour)) {
-  assert(width_ > 0 && height_ > 0 && max_depth >= 0);
-  assert(texels.normal.size() == std::size_t(width_) * std::size_t(height_));
-  assert(depth_.empty() || depth_.size() == texels.normal.size());
+  assert(texels.width > 0 && texels.height > 0 && max_depth >= 0);
+  assert(texels.normal.size() == grid_.size());
+  assert(depth_.empty() || depth_.size() == grid_.size());
+  per_texel_ = 1 / std::sqrt(texel_u() * texel_v());
   normal_.reserve(texels.normal.size());
-  for (const Vec3& n : texels.normal) {
-    normal_.push_back({static_cast<std::int16_t>(std::lround(std::clamp(n.x(), -1.0, 1.0) * 32767)),
-                       static_cast<std::int16_t>(std::lround(std::clamp(n.y(), -1.0, 1.0) * 32767))});
-  }
+  for (const Vec3& n : texels.normal) normal_.push_back(PackedNormal::pack(n));
+  std::vector<Vec3>().swap(texels.normal);  // six times the packed ones: gone before the levels are built
+  pyramid_ = Pyramid(depth_, grid_);
+  mips_ = Mips(grid_, depth_, normal_);
 }
 
 std::size_t Surface::memory_bytes() const {
-  return sizeof *this + depth_.size() * sizeof(float) + normal_.size() * sizeof(Packed) + colour_.data.size();
+  return sizeof *this + depth_.size() * sizeof(float) + normal_.size() * sizeof(PackedNormal) +
+         pyramid_.memory_bytes() + mips_.memory_bytes() + colour_.data.size();
 }
 
-Vec3 Surface::unpacked(int i, int j) const {
-  const Packed p = normal_[index(i, j)];
-  const double x = p.x / 32767.0;
-  const double y = p.y / 32767.0;
-  return {x, y, std::sqrt(std::max(0.0, 1.0 - x * x - y * y))};
+BilinearTaps Surface::taps(const Vec2& uv) const {
+  return {grid_, uv.x() * width() - 0.5, uv.y() * height() - 0.5};
+}
+
+double Surface::depth_at(const BilinearTaps& at) const {
+  if (!has_depth()) return 0;
+  const auto depth = [&](std::size_t k) { return max_depth_ * static_cast<double>(depth_[at.index[k]]); };
+  const double low = depth(0) * (1 - at.x) + depth(1) * at.x, high = depth(2) * (1 - at.x) + depth(3) * at.x;
+  return low * (1 - at.y) + high * at.y;
+}
+
+Vec3 Surface::normal_at(const BilinearTaps& at) const {
+  const auto unit = [&](std::size_t k) { return normal_[at.index[k]].unit(); };
+  const Vec3 low = unit(0) * (1 - at.x) + unit(1) * at.x, high = unit(2) * (1 - at.x) + unit(3) * at.x;
+  return (low * (1 - at.y) + high * at.y).normalized();
+}
+
+Vec2 Surface::gradient_at(const BilinearTaps& at) const {
+  if (!has_depth()) return Vec2::Zero();
+  const Interpolated depth = at([&](std::size_t k) { return static_cast<double>(depth_[k]); });
+  return {-max_depth_ * depth.d_x * grid_.width / placement_.size_u(),
+          -max_depth_ * depth.d_y * grid_.height / placement_.size_v()};
 }
 
 double Surface::depth(const Vec2& uv) const {
-  const Split x(uv.x() * width_ - 0.5);
-  const Split y(uv.y() * height_ - 0.5);
-  const double low = texel_z(x.index, y.index) * (1 - x.fraction) + texel_z(x.index + 1, y.index) * x.fraction;
-  const double high = texel_z(x.index, y.index + 1) * (1 - x.fraction) + texel_z(x.index + 1, y.index + 1) * x.fraction;
-  return -(low * (1 - y.fraction) + high * y.fraction);
+  return depth_at(taps(uv));
 }
 
 Vec3 Surface::normal(const Vec2& uv) const {
-  const Split x(uv.x() * width_ - 0.5);
-  const Split y(uv.y() * height_ - 0.5);
-  const Vec3 low = unpacked(x.index, y.index) * (1 - x.fraction) + unpacked(x.index + 1, y.index) * x.fraction;
-  const Vec3 high = unpacked(x.index, y.index + 1) * (1 - x.fraction) + unpacked(x.index + 1, y.index + 1) * x.fraction;
-  return (low * (1 - y.fraction) + high * y.fraction).normalized();
+  return normal_at(taps(uv));
 }
 
 Vec3 Surface::texel_normal(const Vec2& uv) const {
-  return unpacked(Split(uv.x() * width_).index, Split(uv.y() * height_).index);
+  return unpacked(Split(uv.x() * width()).index, Split(uv.y() * height()).index);
 }
 
 Vec2 Surface::gradient(const Vec2& uv) const {
-  const Split x(uv.x() * width_ - 0.5);
-  const Split y(uv.y() * height_ - 0.5);
-  const Cell c = cell(x.index, y.index);
-  const double twist = c.z[3] - c.z[2] - c.z[1] + c.z[0];
-  return {((c.z[1] - c.z[0]) + y.fraction * twist) / c.width(), ((c.z[2] - c.z[0]) + x.fraction * twist) / c.height()};
+  return gradient_at(taps(uv));
+}
+
+Sample Surface::sample(const Vec2& uv, double footprint) const {
+  const Mips::Blend blend = mips_.blend(footprint * per_texel_);
+  if (blend.level == 0 && blend.next == 0) {
+    const BilinearTaps at = taps(uv);
+    return {depth_at(at), normal_at(at), gradient_at(at), 0};
+  }
+  Averaged s = averaged(blend.level, uv);
+  if (blend.next > 0) {
+    const Averaged coarse = averaged(blend.level + 1, uv);
+    const double a = 1 - blend.next, b = blend.next;
+    s.depth = a * s.depth + b * coarse.depth;
+    s.gradient = a * s.gradient + b * coarse.gradient;
+    s.slope = a * s.slope + b * coarse.slope;
+    s.variance = a * s.variance + b * coarse.variance;
+  }
+  return {s.depth, Vec3(-s.slope.x(), -s.slope.y(), 1).normalized(), s.gradient, std::sqrt(s.variance)};
+}
+
+Surface::Averaged Surface::averaged(int level, const Vec2& uv) const {
+  if (level == 0) {
+    const BilinearTaps at = taps(uv);
+    return {depth_at(at), gradient_at(at), slope_of(normal_at(at)), 0};
+  }
+  const Mips::Moments m = mips_.bilinear(level, uv);
+  const Grid& grid = mips_.grid(level);
+  const Vec2 per_metre(-max_depth_ * grid.width / placement_.size_u(),
+                       -max_depth_ * grid.height / placement_.size_v());
+  return {max_depth_ * m.depth, m.depth_slope.cwiseProduct(per_metre), m.slope, m.variance};
+}
+
+Smooth Surface::smooth(const Vec2& uv, double footprint) const {
+  if (!has_depth()) return {0, Vec2::Zero()};
+  const Mips::Blend blend = mips_.blend(footprint * per_texel_);
+  Smooth s = smooth_level(blend.level, uv);
+  if (blend.next > 0) {
+    const Smooth coarse = smooth_level(blend.level + 1, uv);
+    s.height += blend.next * (coarse.height - s.height);
+    s.gradient += blend.next * (coarse.gradient - s.gradient);
+  }
+  return s;
+}
+
+Smooth Surface::smooth_level(int level, const Vec2& uv) const {
+  const Grid& grid = level == 0 ? grid_ : mips_.grid(level);
+  const double x = uv.x() * grid.width - 0.5, y = uv.y() * grid.height - 0.5;
+  const Interpolated depth =
+      level == 0 ? bicubic(grid, x, y, [&](std::size_t k) { return static_cast<double>(depth_[k]); })
+                 : bicubic(grid, x, y, [&](std::size_t k) { return mips_.depth(level, k); });
+  return {-max_depth_ * depth.value,
+          {-max_depth_ * depth.d_x * grid.width / placement_.size_u(),
+           -max_depth_ * depth.d_y * grid.height / placement_.size_v()}};
 }
 
 Cell Surface::cell(int i, int j) const {
   const double du = texel_u();
   const double dv = texel_v();
-  return {(i + 0.5) * du, (j + 0.5) * dv, (i + 1.5) * du, (j + 1.5) * dv,
+  return {(i + 0.5) * du,
+          (j + 0.5) * dv,
+          (i + 1.5) * du,
+          (j + 1.5) * dv,
           {texel_z(i, j), texel_z(i + 1, j), texel_z(i, j + 1), texel_z(i + 1, j + 1)}};
 }
 
@@ -95,8 +140,8 @@ std::pair<int, int> Surface::cell_at(double x, double y) const {
 std::vector<float> Surface::normal_texture() const {
   std::vector<float> out;
   out.reserve(normal_.size() * 3);
-  for (int j = 0; j < height_; ++j) {
-    for (int i = 0; i < width_; ++i) {
+  for (int j = 0; j < height(); ++j) {
+    for (int i = 0; i < width(); ++i) {
       const Vec3 n = unpacked(i, j);
       for (int k = 0; k < 3; ++k) out.push_back(static_cast<float>(n[k]));
     }

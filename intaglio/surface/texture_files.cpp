@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "intaglio/surface/image_file.h"
+
 namespace intaglio::surface {
 
 namespace fs = std::filesystem;
@@ -38,12 +40,6 @@ std::string lower(std::string text) {
   return text;
 }
 
-bool is_image(const fs::path& path) {
-  const std::string extension = lower(path.extension().string());
-  return extension == ".png" || extension == ".jpg" || extension == ".jpeg" || extension == ".tga" ||
-         extension == ".exr";
-}
-
 // The role a file's name claims; an image whose name claims none is the colour map.
 Role role_of(const fs::path& path) {
   const std::string stem = lower(path.stem().string());
@@ -57,7 +53,7 @@ Result<TextureFiles> search_folder(const fs::path& folder) {
   std::vector<fs::path> images;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
-    if (entry.is_regular_file(error) && is_image(entry.path())) images.push_back(entry.path());
+    if (entry.is_regular_file(error) && has_image_extension(entry.path())) images.push_back(entry.path());
   }
   if (images.empty())
     return fail(folder.string(), "holds no PNG, JPEG, TGA or EXR image",
@@ -88,7 +84,8 @@ fs::path beside(const fs::path& image, Role role) {
   const fs::path folder = image.has_parent_path() ? image.parent_path() : fs::path(".");
   std::vector<fs::path> candidates;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
-    if (entry.path() == image || !entry.is_regular_file(error) || !is_image(entry.path())) continue;
+    if (entry.path() == image || !entry.is_regular_file(error) || !has_image_extension(entry.path()))
+      continue;
     const bool related = !shared.empty() && lower(entry.path().stem().string()).rfind(shared, 0) == 0;
     if (related && role_of(entry.path()) == role) candidates.push_back(entry.path());
   }

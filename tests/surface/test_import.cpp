@@ -9,6 +9,7 @@
 #include "intaglio/surface/import.h"
 #include "intaglio/surface/maps.h"
 #include "tests/surface/brick_surface.h"
+#include "tests/surface/test_image_encoders.h"
 
 using namespace intaglio;
 using namespace intaglio::surface;
@@ -53,7 +54,8 @@ TEST_CASE("a PNG round trip keeps every 16-bit sample") {
   const auto decoded = decode_image(encode_png(brick.relief), "x");
   REQUIRE(decoded);
   CHECK(decoded->bit_depth == 16);
-  for (std::size_t k = 0; k < brick.relief.data.size(); ++k) REQUIRE(std::lround(decoded->pixels.data[k] * 65535.0f) == brick.relief.data[k]);
+  for (std::size_t k = 0; k < brick.relief.data.size(); ++k)
+    REQUIRE(std::lround(decoded->pixels.data[k] * 65535.0f) == brick.relief.data[k]);
 }
 
 TEST_CASE("an 8-bit sample v is read as v / 255") {
@@ -62,15 +64,18 @@ TEST_CASE("an 8-bit sample v is read as v / 255") {
   const auto decoded = decode_image(encode_png(image), "x");
   REQUIRE(decoded);
   REQUIRE(decoded->pixels.channels == 1);
-  for (std::size_t k = 0; k < 256; ++k) CHECK(decoded->pixels.data[k] == doctest::Approx(static_cast<double>(k) / 255).epsilon(1e-6));
+  for (std::size_t k = 0; k < 256; ++k)
+    CHECK(decoded->pixels.data[k] == doctest::Approx(static_cast<double>(k) / 255).epsilon(1e-6));
 }
 
 TEST_CASE("one RGBA file, and the same split into a folder of files, make the same texels") {
   const Folder folder;
   const TextureImages brick = make_brick(small_brick());
   REQUIRE(write_file(folder.path / "one" / "wall_nm.png", encode_png(brick.relief)));
-  REQUIRE(write_file(folder.path / "many" / "wall_NormalGL.png", encode_png(channels_of(brick.relief, 0, 3))));
-  REQUIRE(write_file(folder.path / "many" / "wall_Displacement.png", encode_png(channels_of(brick.relief, 3, 1))));
+  REQUIRE(
+      write_file(folder.path / "many" / "wall_NormalGL.png", encode_png(channels_of(brick.relief, 0, 3))));
+  REQUIRE(write_file(folder.path / "many" / "wall_Displacement.png",
+                     encode_png(channels_of(brick.relief, 3, 1))));
   REQUIRE(write_file(folder.path / "many" / "wall_Color.png", encode_png(brick.colour)));
   ImportOptions options;
   options.polarity = Polarity::depth;
@@ -79,7 +84,8 @@ TEST_CASE("one RGBA file, and the same split into a folder of files, make the sa
   REQUIRE(one);
   REQUIRE(many);
   CHECK(one->texels.depth == many->texels.depth);
-  for (std::size_t k = 0; k < one->texels.normal.size(); ++k) CHECK(one->texels.normal[k] == many->texels.normal[k]);
+  for (std::size_t k = 0; k < one->texels.normal.size(); ++k)
+    CHECK(one->texels.normal[k] == many->texels.normal[k]);
   CHECK(many->texels.colour.width == 64);
 }
 
@@ -92,8 +98,10 @@ TEST_CASE("a flipped green channel or an inverted height is noticed and undone, 
       TextureImages flipped = brick;
       for (int y = 0; y < 64; ++y) {
         for (int x = 0; x < 64; ++x) {
-          if (minus) flipped.relief.at(x, y, 1) = static_cast<std::uint16_t>(65535 - flipped.relief.at(x, y, 1));
-          if (high) flipped.relief.at(x, y, 3) = static_cast<std::uint16_t>(65535 - flipped.relief.at(x, y, 3));
+          if (minus)
+            flipped.relief.at(x, y, 1) = static_cast<std::uint16_t>(65535 - flipped.relief.at(x, y, 1));
+          if (high)
+            flipped.relief.at(x, y, 3) = static_cast<std::uint16_t>(65535 - flipped.relief.at(x, y, 3));
         }
       }
       REQUIRE(write_file(folder.path / "f.png", encode_png(flipped.relief)));
@@ -107,7 +115,8 @@ TEST_CASE("a flipped green channel or an inverted height is noticed and undone, 
         CHECK(imported->report.implied_depth == doctest::Approx(0.02).epsilon(0.05));
         if (mode == ImportMode::fused) continue;
         CHECK(rms(imported->texels.depth, truth.depth) < 1e-5);
-        for (std::size_t k = 0; k < truth.normal.size(); ++k) CHECK((imported->texels.normal[k] - truth.normal[k]).norm() < 1e-4);
+        for (std::size_t k = 0; k < truth.normal.size(); ++k)
+          CHECK((imported->texels.normal[k] - truth.normal[k]).norm() < 1e-4);
       }
     }
   }
@@ -134,7 +143,8 @@ TEST_CASE("a fused surface is one surface: its normals are the slopes of its dep
   recipe.size = 128;
   TextureImages brick = make_brick(recipe);
   Image8 eight(128, 128, 4);
-  for (std::size_t k = 0; k < eight.data.size(); ++k) eight.data[k] = static_cast<std::uint8_t>(brick.relief.data[k] >> 8);
+  for (std::size_t k = 0; k < eight.data.size(); ++k)
+    eight.data[k] = static_cast<std::uint8_t>(brick.relief.data[k] >> 8);
   REQUIRE(write_file(folder.path / "b.png", encode_png(eight)));
   const auto imported = import_texture(folder.path / "b.png", {});
   REQUIRE(imported);
@@ -142,7 +152,8 @@ TEST_CASE("a fused surface is one surface: its normals are the slopes of its dep
   for (std::size_t k = 0; k < height.value.size(); ++k) height.value[k] = 1 - imported->texels.depth[k];
   const std::vector<Vec3> of_depth = normals_of(central_slopes(height, imported->depth_fraction));
   double sum = 0;
-  for (std::size_t k = 0; k < of_depth.size(); ++k) sum += (of_depth[k] - imported->texels.normal[k]).squaredNorm();
+  for (std::size_t k = 0; k < of_depth.size(); ++k)
+    sum += (of_depth[k] - imported->texels.normal[k]).squaredNorm();
   const double error = std::sqrt(sum / static_cast<double>(of_depth.size()));
   MESSAGE("normals against slopes of the depth: rms " << error);
   CHECK(error < 0.01);
@@ -189,14 +200,47 @@ TEST_CASE("a height map alone makes the normals of its slopes") {
   REQUIRE(imported);
   const Texels truth = to_texels(brick);
   double worst = 0;
-  for (std::size_t k = 0; k < truth.normal.size(); ++k) worst = std::max(worst, (imported->texels.normal[k] - truth.normal[k]).norm());
+  for (std::size_t k = 0; k < truth.normal.size(); ++k)
+    worst = std::max(worst, (imported->texels.normal[k] - truth.normal[k]).norm());
   CHECK(worst < 1e-3);
+}
+
+TEST_CASE("floating-point files may hold heights of any unit and normals of either sign") {
+  const Folder folder;
+  const TextureImages brick = make_brick(small_brick());
+  const Texels truth = to_texels(brick);
+  Image<float> height(64, 64, 1), normal(64, 64, 3);
+  for (int y = 0; y < 64; ++y) {
+    for (int x = 0; x < 64; ++x) {
+      height.at(x, y, 0) = -3 + 8 * (1 - static_cast<float>(brick.relief.at(x, y, 3)) / 65535.0f);
+      for (int c = 0; c < 3; ++c)
+        normal.at(x, y, c) = static_cast<float>(brick.relief.at(x, y, c)) / 32767.5f - 1;
+    }
+  }
+  REQUIRE(write_file(folder.path / "w_height.exr", encoders::encode_exr(height)));
+  REQUIRE(write_file(folder.path / "w_normal.exr", encoders::encode_exr(normal)));
+  ImportOptions options;
+  options.mode = ImportMode::raw;
+  const auto imported = import_texture(folder.path, options);
+  REQUIRE(imported);
+  CHECK(imported->report.detected_polarity == Polarity::height);
+  CHECK(imported->report.detected_green == Green::plus_y);
+  double low = 1, high = 0;
+  for (const float d : truth.depth) {
+    low = std::min(low, static_cast<double>(d));
+    high = std::max(high, static_cast<double>(d));
+  }
+  for (std::size_t k = 0; k < truth.depth.size(); ++k) {
+    CHECK(imported->texels.depth[k] == doctest::Approx((truth.depth[k] - low) / (high - low)).epsilon(1e-4));
+    CHECK((imported->texels.normal[k] - truth.normal[k]).norm() < 1e-3);
+  }
 }
 
 TEST_CASE("broken images are errors that name the file") {
   const Folder folder;
   const std::vector<std::uint8_t> png = encode_png(make_brick(small_brick()).relief);
-  for (const std::size_t keep : {std::size_t{0}, std::size_t{3}, std::size_t{20}, png.size() / 2, png.size() - 20}) {
+  for (const std::size_t keep :
+       {std::size_t{0}, std::size_t{3}, std::size_t{20}, png.size() / 2, png.size() - 20}) {
     const auto decoded = decode_image(std::span(png).first(keep), "broken.png");
     REQUIRE_FALSE(decoded);
     CHECK(decoded.error().message().find("broken.png") == 0);
