@@ -1,0 +1,159 @@
+// Real sessions, as the project keeps them outside its tree: every message decodes, and encodes to the same
+// bytes.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <string>
+
+#include "intaglio/haptics/devices/vrpn/cookie.h"
+#include "intaglio/haptics/devices/vrpn/framer.h"
+#include "tests/haptics/vrpn_reencode.h"
+
+using namespace intaglio;
+using namespace intaglio::haptics::vrpn;
+
+namespace {
+
+struct Chunk {
+  std::string from, channel;
+  Bytes bytes;
+};
+
+// The value of a key in one line of our captures: no value of theirs holds a quote or an escape.
+std::string value_of(const std::string& line, const std::string& key) {
+  const std::size_t at = line.find("\"" + key + "\": \"");
+  if (at == std::string::npos) return {};
+  const std::size_t start = at + key.size() + 5;
+  return line.substr(start, line.find('"', start) - start);
+}
+
+std::vector<Chunk> read_capture(const std::string& name) {
+  std::ifstream file(std::string(INTAGLIO_SHARED_DIR) + "/vrpn/captures/" + name);
+  std::vector<Chunk> chunks;
+  for (std::string line; std::getline(file, line);) {
+    Chunk chunk{value_of(line, "from"), value_of(line, "channel"), {}};
+    const std::string hex = value_of(line, "hex");
+    for (std::size_t k = 0; k + 1 < hex.size(); k += 2)
+      chunk.bytes.push_back(static_cast<std::uint8_t>(std::stoi(hex.substr(k, 2), nullptr, 16)));
+    chunks.push_back(std::move(chunk));
+  }
+  return chunks;
+}
+
+// One direction of a session.
+struct Side {
+  Framer framer;
+  PeerNames names;
+  bool greeted = false;
+  int messages = 0, unknown = 0;
+  std::map<Type, int> count;
+
+  void check(const Message& message);
+  void feed(const Bytes& bytes);
+};
+
+void Side::check(const Message& message) {
+  ++messages;
+  std::optional<Bytes> again;
+  if (message.type < 0) {
+    again = reencode_system(message.type, message.payload);
+    if (message.type == sender_description)
+      CHECK(names.learn_sender(message.sender, *decode_name(message.payload)));
+    if (message.type == type_description)
+      CHECK(names.learn_type(message.sender, *decode_name(message.payload)));
+    if (message.type == udp_description) CHECK(sound_port(message.sender));
+  } else {
+    CHECK_FALSE(names.sender(message.sender).empty());
+    const auto type = names.type(message.type);
+    if (!type) {
+      ++unknown;
+      return;
+    }
+    ++count[*type];
+    again = reencode(*type, message.payload);
+  }
+  REQUIRE(again);
+  CHECK(std::equal(again->begin(), again->end(), message.payload.begin(), message.payload.end()));
+  // Header and payload as a whole; padding is not defined.
+  Bytes whole;
+  append_message(whole, message);
+  const auto size = static_cast<std::ptrdiff_t>(header_size + message.payload.size());
+  CHECK(std::equal(whole.begin(), whole.begin() + size, message.payload.data() - header_size));
+}
+
+void Side::feed(const Bytes& bytes) {
+  framer.feed(bytes);
+  if (!greeted) {
+    const View cookie = framer.take(cookie_size);
+    if (cookie.empty()) return;
+    greeted = true;
+    CHECK(read_cookie(cookie).match == CookieMatch::same);
+    CHECK(std::equal(cookie.begin(), cookie.end(), our_cookie().begin()));
+  }
+  while (const auto message = framer.next()) check(*message);
+}
+
+}  // namespace
+
+TEST_CASE("every message of the captured sessions decodes, and encodes to the same bytes") {
+  struct Expected {
+    std::string file;
+    int poses, forces, planes, changes;
+  };
+  for (const Expected& expected : {Expected{"phantom-session-udp-request.jsonl", 149, 149, 0, 1},
+                                   Expected{"phantom-plane-session-tcp.jsonl", 51, 72, 22, 1},
+                                   Expected{"stock-server-tcp.jsonl", 453, 0, 0, 6}}) {
+    CAPTURE(expected.file);
+    const std::vector<Chunk> chunks = read_capture(expected.file);
+    if (chunks.empty()) {
+      MESSAGE("skipped, no capture: " << expected.file);
+      continue;
+    }
+    std::map<std::string, Side> sides;
+    for (const Chunk& chunk : chunks) {
+      if (chunk.channel == "udp-request") {
+        const auto request = decode_dial_request(chunk.bytes);
+        REQUIRE(request);
+        Bytes again;
+        encode_dial_request(again, *request);
+        CHECK(again == chunk.bytes);
+      } else {
+        sides[chunk.from].feed(chunk.bytes);
+      }
+    }
+    Side &server = sides["server"], &client = sides["client"];
+    for (const Side* side : {&server, &client}) {
+      CHECK(side->framer.waiting() == 0);
+      CHECK(side->framer.bad_frames() == 0);
+      CHECK(side->unknown == 0);
+    }
+    CHECK(server.count[Type::pos_quat] == expected.poses);
+    CHECK(server.count[Type::velocity] == expected.poses);
+    CHECK(server.count[Type::force] == expected.forces);
+    CHECK(client.count[Type::plane] == expected.planes);
+    CHECK(server.count[Type::button_change] == expected.changes);
+    MESSAGE(expected.file << ": " << server.messages + client.messages << " messages");
+  }
+}
+
+TEST_CASE("however the network cuts a captured stream, the messages are the same") {
+  Bytes stream;
+  for (const Chunk& chunk : read_capture("phantom-plane-session-tcp.jsonl"))
+    if (chunk.from == "server") stream.insert(stream.end(), chunk.bytes.begin(), chunk.bytes.end());
+  if (stream.empty()) {
+    MESSAGE("skipped, no capture");
+    return;
+  }
+  Side whole;
+  whole.feed(stream);
+  for (const std::size_t piece : {1u, 7u, 24u, 1000u}) {
+    Side cut;
+    for (std::size_t at = 0; at < stream.size(); at += piece)
+      cut.feed({stream.begin() + static_cast<std::ptrdiff_t>(at),
+                stream.begin() + static_cast<std::ptrdiff_t>(std::min(at + piece, stream.size()))});
+    CHECK(cut.messages == whole.messages);
+    CHECK(cut.count == whole.count);
+  }
+}
