@@ -17,7 +17,7 @@ static std::string advice(LinkFault fault, const Address& address) {
       return address.tcp_only ? "is the server running, at that port?"
                               : "is the server running, at that port? Behind a firewall try --tcp";
     case LinkFault::not_vrpn:
-      return "another program serves that port";
+      return "another program serves that port, or a server that has as many clients as it takes";
     default:
       return "";
   }
@@ -99,6 +99,8 @@ Linked<std::unique_ptr<Client>> Client::connect(const Address& address, const Cl
     client->step(glance, [](const Received&) { return true; });
     LinkFault fault = client->fault();
     if (fault == LinkFault::too_slow) fault = LinkFault::timed_out;
+    // It hung up before it said what it is.
+    if (fault == LinkFault::closed) fault = LinkFault::not_vrpn;
     if (fault == LinkFault::none && !client->connection_.greeted()) fault = patience.over();
     if (fault != LinkFault::none) return failed(fault, address);
   }

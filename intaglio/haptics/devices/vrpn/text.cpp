@@ -12,10 +12,9 @@ std::optional<Text> decode_text(View payload) {
   const std::string_view characters = text_of(reader.raw(text_limit));
   if (!reader.done() || text.severity > 2) return std::nullopt;
   text.text = characters.substr(0, characters.find('\0'));
-  // A terminal obeys control characters.
+  // A terminal obeys control characters, and JSON wants UTF-8.
   std::replace_if(
-      text.text.begin(), text.text.end(),
-      [](char c) { return static_cast<unsigned char>(c) < ' ' || c == 127; }, ' ');
+      text.text.begin(), text.text.end(), [](char c) { return c < ' ' || c > '~'; }, ' ');
   return text;
 }
 

@@ -12,7 +12,7 @@ inline constexpr std::size_t text_limit = 1024;  // bytes, with the NUL
 struct Text {
   std::uint32_t severity = 0;
   std::uint32_t level = 0;
-  std::string text;  // up to its first NUL; control characters become spaces
+  std::string text;  // up to its first NUL; all but printable ASCII become spaces
 };
 
 // Nothing for a wrong size or an unknown severity.

@@ -18,8 +18,6 @@ static std::int64_t steady_now() {
 VrpnDevice::VrpnDevice(const Address& address, const VrpnDeviceOptions& options)
     : address_(address), options_(options) {
   options_.client.stopped = &stopped_;
-  heard_.publish({});
-  wanted_.publish({});
   thread_ = std::thread([this] { run(); });
 }
 
@@ -35,7 +33,8 @@ double VrpnDevice::silent_for() const {
 
 Vec3 VrpnDevice::read() {
   if (!(silent_for() <= options_.silence)) return Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
-  last_tip_ = heard_.fetch().position;
+  heard_.update();
+  last_tip_ = heard_.value().position;
   return last_tip_;
 }
 
@@ -79,7 +78,8 @@ void VrpnDevice::run() {
 
 void VrpnDevice::serve(Client& client) {
   holding_ = plane_started_ = false;
-  forwarded_ = wanted_.fetch().time;  // what was written before the link was there is out of date
+  wanted_.update();
+  forwarded_ = wanted_.value().time;  // what was written before the link was there is out of date
   while (!stopped_ && client.fault() == LinkFault::none) {
     client.step(link_period, [this](const Received& received) { return hear(received); });
     forward(client);
@@ -119,7 +119,8 @@ bool VrpnDevice::hear(const Received& received) {
 }
 
 void VrpnDevice::forward(Client& client) {
-  const Wanted& wanted = wanted_.fetch();
+  wanted_.update();
+  const Wanted& wanted = wanted_.value();
   const bool stale = 1e-9 * static_cast<double>(steady_now() - wanted.time) > options_.silence;
   const bool lost = !(silent_for() <= options_.silence);
   if (stale || lost || wanted.force.isZero(0)) {

@@ -14,7 +14,7 @@
 #include <mutex>
 #include <thread>
 
-#include "intaglio/core/latest.h"
+#include "intaglio/core/latest_value.h"
 #include "intaglio/haptics/devices/device.h"
 #include "intaglio/haptics/devices/vrpn/asked_force.h"
 #include "intaglio/haptics/devices/vrpn/client.h"
@@ -46,7 +46,10 @@ class VrpnDevice : public Device {
   Vec3 read() override;
   void write(const GuardedForce& force) override;
   bool reads_orientation() const override { return true; }
-  Quat orientation() override { return heard_.fetch().orientation; }
+  Quat orientation() override {
+    heard_.update();
+    return heard_.value().orientation;
+  }
   double silent_for() const override;
 
   // Bit k: button k is pressed.
@@ -77,8 +80,8 @@ class VrpnDevice : public Device {
 
   Address address_;
   VrpnDeviceOptions options_;
-  Latest<Heard> heard_;
-  Latest<Wanted> wanted_;
+  LatestValue<Heard> heard_;
+  LatestValue<Wanted> wanted_;
   Vec3 last_tip_ = Vec3::Zero();                  // servo thread
   std::int64_t forwarded_ = 0;                    // link thread: time of the last force sent on
   bool holding_ = false, plane_started_ = false;  // link thread: the far device displays a force of ours
