@@ -3,44 +3,18 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <fstream>
 #include <map>
 #include <string>
 
 #include "intaglio/haptics/devices/vrpn/cookie.h"
 #include "intaglio/haptics/devices/vrpn/framer.h"
+#include "tests/haptics/vrpn_capture.h"
 #include "tests/haptics/vrpn_reencode.h"
 
 using namespace intaglio;
 using namespace intaglio::haptics::vrpn;
 
 namespace {
-
-struct Chunk {
-  std::string from, channel;
-  Bytes bytes;
-};
-
-// The value of a key in one line of our captures: no value of theirs holds a quote or an escape.
-std::string value_of(const std::string& line, const std::string& key) {
-  const std::size_t at = line.find("\"" + key + "\": \"");
-  if (at == std::string::npos) return {};
-  const std::size_t start = at + key.size() + 5;
-  return line.substr(start, line.find('"', start) - start);
-}
-
-std::vector<Chunk> read_capture(const std::string& name) {
-  std::ifstream file(std::string(INTAGLIO_SHARED_DIR) + "/vrpn/captures/" + name);
-  std::vector<Chunk> chunks;
-  for (std::string line; std::getline(file, line);) {
-    Chunk chunk{value_of(line, "from"), value_of(line, "channel"), {}};
-    const std::string hex = value_of(line, "hex");
-    for (std::size_t k = 0; k + 1 < hex.size(); k += 2)
-      chunk.bytes.push_back(static_cast<std::uint8_t>(std::stoi(hex.substr(k, 2), nullptr, 16)));
-    chunks.push_back(std::move(chunk));
-  }
-  return chunks;
-}
 
 // One direction of a session.
 struct Side {
@@ -139,9 +113,7 @@ TEST_CASE("every message of the captured sessions decodes, and encodes to the sa
 }
 
 TEST_CASE("however the network cuts a captured stream, the messages are the same") {
-  Bytes stream;
-  for (const Chunk& chunk : read_capture("phantom-plane-session-tcp.jsonl"))
-    if (chunk.from == "server") stream.insert(stream.end(), chunk.bytes.begin(), chunk.bytes.end());
+  const Bytes stream = stream_of("phantom-plane-session-tcp.jsonl", "server");
   if (stream.empty()) {
     MESSAGE("skipped, no capture");
     return;

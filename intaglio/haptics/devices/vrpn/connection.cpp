@@ -28,8 +28,9 @@ Connection::Connection(Socket tcp, const Ipv4& peer, ConnectionOptions options, 
 
 void Connection::step(SteadyTime now, const Handler& handler) {
   if (fault_ != LinkFault::none) return;
+  take_messages(now, handler);
   read_tcp(now, handler);
-  if (udp_in_) read_udp(handler);
+  if (udp_in_ && handler) read_udp(handler);
   if (bad_frames() >= bad_frame_limit) drop(LinkFault::bad_frames);
   check_patience(now);
   if (fault_ != LinkFault::none) return;
@@ -38,7 +39,7 @@ void Connection::step(SteadyTime now, const Handler& handler) {
 }
 
 void Connection::read_tcp(SteadyTime now, const Handler& handler) {
-  for (int k = 0; k < reads_a_step && fault_ == LinkFault::none; ++k) {
+  for (int k = 0; k < reads_a_step && fault_ == LinkFault::none && bad_frames() < bad_frame_limit; ++k) {
     const ssize_t size = ::recv(tcp_.fd(), scratch_.data(), scratch_.size(), 0);
     if (size == 0) return drop(LinkFault::closed);
     if (size < 0) {
@@ -48,11 +49,17 @@ void Connection::read_tcp(SteadyTime now, const Handler& handler) {
     if (greeted_ && framer_.waiting() == 0) waiting_since_ = now;
     framer_.feed(View(scratch_).first(static_cast<std::size_t>(size)));
     if (!greeted_ && !greet()) continue;
-    while (const auto message = framer_.next()) {
-      waiting_since_ = now;
-      take(*message, handler, false);
-      if (bad_frames() >= bad_frame_limit) return;
-    }
+    take_messages(now, handler);
+  }
+}
+
+void Connection::take_messages(SteadyTime now, const Handler& handler) {
+  if (!greeted_ || !handler) return;
+  while (bad_frames() < bad_frame_limit) {
+    const auto message = framer_.next();
+    if (!message) return;
+    waiting_since_ = now;
+    take(*message, handler, false);
   }
 }
 

@@ -44,7 +44,8 @@ class Connection {
 
   Connection(Socket tcp, const Ipv4& peer, ConnectionOptions options, SteadyTime now);
 
-  // Reads, hands over, writes. Does nothing after a fault.
+  // Reads, hands over, writes. Does nothing after a fault. Without a handler it gets as far as the cookie;
+  // what follows waits for a step with one.
   void step(SteadyTime now, const Handler& handler);
   // Queues a message of ours; `sender` is the place in options.senders. Leaves with the next step().
   // Low-latency messages are left out, rather than queued, while the peer does not keep up.
@@ -65,6 +66,7 @@ class Connection {
 
  private:
   void read_tcp(SteadyTime now, const Handler& handler);
+  void take_messages(SteadyTime now, const Handler& handler);
   void read_udp(const Handler& handler);
   bool greet();
   void queue(const Message& message);

@@ -90,7 +90,8 @@ void Server::take_requests(SteadyTime now) {
     if (!datagram) return;
     const auto request = decode_dial_request(datagram->bytes);
     if (!request) continue;
-    // We call back who asked, and nobody else at his word. A program on this machine may know it by another address.
+    // We call back who asked, and nobody else at his word. A program on this machine may know it by another
+    // address.
     const auto to = request->host == "localhost" ? std::optional(Ipv4{loopback_host, request->port})
                                                  : parse_ipv4(request->host, request->port);
     if (to && (to->host == datagram->from.host || datagram->from.loopback())) dial(*to, now);
