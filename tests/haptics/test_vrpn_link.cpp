@@ -18,6 +18,7 @@ namespace {
 struct Heard {
   int poses = 0, velocities = 0, forces = 0, contacts = 0, changes = 0, states = 0;
   std::string texts;
+  std::vector<ForceError> errors;
   Vec3 position = Vec3::Zero(), force = Vec3::Zero();
 
   bool take(const Received& received) {
@@ -40,6 +41,9 @@ struct Heard {
         return ++states > 0 && decode_button_states(received.payload)->size() == 2;
       case Type::text:
         texts += decode_text(received.payload).value().text;
+        return true;
+      case Type::force_error:
+        errors.push_back(decode_force_error(received.payload).value());
         return true;
       default:
         return false;
@@ -311,4 +315,27 @@ TEST_CASE("a client sets the rate of its own reports") {
     return fast_heard.poses > 400;
   }));
   CHECK(slow_heard.poses < fast_heard.poses / 4);
+}
+
+TEST_CASE("a client that asks for more than the device can is told so, and the force stays within the peak") {
+  RunningServer server;
+  auto client = std::move(*Client::connect(server.address(true)));
+  Heard heard;
+  double strongest = 0;
+  const auto ask_for = [&](double newtons) {
+    Bytes payload;
+    encode(payload, ForceReport{{0, newtons, 0}});
+    client->send(Type::force, payload, Channel::reliable);
+    strongest = std::max(strongest, heard.force.norm());
+  };
+  CHECK(listen(*client, heard, [&] {
+    ask_for(60);
+    return heard.errors.size() == 1;
+  }));
+  CHECK(listen(*client, heard, [&] {
+    ask_for(0.5);
+    return heard.errors.size() == 2;
+  }));
+  CHECK(heard.errors == std::vector<ForceError>{ForceError::force_too_high, ForceError::ok});
+  CHECK(strongest <= 7.9 + 1e-9);
 }

@@ -37,6 +37,7 @@ void ServedPhantom::tick(double dt, Time now) {
   state_.contact = asked_.contact(position);
   const GuardedForce guarded = guard_.pass(asked_.newtons(position, state_.velocity), dt);
   state_.force = guarded.newtons();
+  state_.clamped = (guard_.status() & guard_status::clamped) != 0;
   device_.write(guarded);
   device_.advance(dt);
   // The hand holds the first button for the third quarter of each lap.

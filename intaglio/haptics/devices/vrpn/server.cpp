@@ -129,6 +129,11 @@ void Server::tick(SteadyTime now) {
   phantom_.tick(std::chrono::duration<double>(tick_period).count(), now);
   next_tick_ += tick_period;
   if (!phantom_.held()) holder_ = nullptr;
+  tell_buttons();
+  tell_clamped();
+}
+
+void Server::tell_buttons() {
   const auto& buttons = phantom_.state().buttons;
   for (std::size_t k = 0; k < buttons.size(); ++k) {
     if (buttons[k] == buttons_[k]) continue;
@@ -138,6 +143,16 @@ void Server::tick(SteadyTime now) {
       peer.connection.send(Type::button_change, device_sender, payload, Channel::reliable);
   }
   buttons_ = buttons;
+}
+
+void Server::tell_clamped() {
+  const bool clamped = phantom_.state().clamped;
+  if (holder_ && clamped != clamped_) {
+    Bytes payload;
+    encode(payload, clamped ? ForceError::force_too_high : ForceError::ok);
+    holder_->connection.send(Type::force_error, device_sender, payload, Channel::reliable);
+  }
+  clamped_ = clamped;
 }
 
 void Server::talk(Peer& peer, SteadyTime now) {

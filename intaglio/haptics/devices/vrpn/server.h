@@ -61,6 +61,8 @@ class Server {
   void dial(const Ipv4& to, SteadyTime now);
   void finish_dials(SteadyTime now);
   void tick(SteadyTime now);
+  void tell_buttons();
+  void tell_clamped();
   void talk(Peer& peer, SteadyTime now);
   void report(Peer& peer);
   void send_buttons(Peer& peer);
@@ -75,7 +77,8 @@ class Server {
   ServedPhantom phantom_;
   std::list<Peer> peers_;
   std::list<Dial> dials_;
-  const Peer* holder_ = nullptr;  // of the force
+  Peer* holder_ = nullptr;  // of the force
+  bool clamped_ = false;    // and has been told so
   SteadyTime next_tick_, last_turned_away_;
   std::array<std::int32_t, 2> buttons_ = {};
   std::int64_t dropped_for_bad_frames_ = 0, force_messages_ = 0;
