@@ -44,6 +44,8 @@ struct SceneSnapshot {
 };
 
 struct ServoReport {
+  ServoReport() { ball_impulse.fill(Vec3::Zero()); }
+
   double time = 0;
   Vec3 tip = Vec3::Zero(), proxy = Vec3::Zero(), force = Vec3::Zero();  // world; N as sent
   bool touching = false;

@@ -42,7 +42,7 @@ TEST_CASE("400 closed loops: contact gives the hand no energy; the paper's plane
     Proxy proxy, rubbing;
     conservative.add(
         tests::work_round(
-            path, speed, [&](const Vec3& x, const Vec3&, double) { return proxy.move(slab, x, k, 0).force; }),
+            fine, speed, [&](const Vec3& x, const Vec3&, double) { return proxy.move(slab, x, k, 0).force; }),
         loops);
     lossy.add(tests::work_round(path, speed,
                                 [&](const Vec3& x, const Vec3& v, double) {
