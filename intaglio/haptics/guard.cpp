@@ -111,12 +111,15 @@ GuardedForce Guard::pass(const Vec3& wanted, double dt) {
   return pass(input);
 }
 
-void Guard::rearm() {
-  status_ = 0;
+GuardedForce Guard::release() {
   enabled_for_ = 0;
   started_ = false;
-  force_.last.setZero();
-  torque_.last.setZero();
+  return nothing();
+}
+
+void Guard::rearm() {
+  status_ = 0;
+  release();
 }
 
 }  // namespace intaglio::haptics

@@ -79,6 +79,9 @@ class Guard {
   // the last pass.
   GuardedForce pass(const Vec3& wanted, double dt);
 
+  // No force, at once, for letting go of the hand; what comes after starts at the foot of the ramp.
+  GuardedForce release();
+
   // Bits of guard_status for the last pass().
   std::uint32_t status() const { return status_; }
   // Running mean of force squared over the square of its limit: never over 1.

@@ -94,6 +94,8 @@ class PenServo {
   // Work on the hand since the start by the texture, J.
   double work_on_hand() const { return passivity_.work_on_hand(); }
   void rearm();
+  // Takes all force off the device.
+  void let_go(Device& device) { device.write(guard_.release()); }
 
  private:
   // The pen in the frame of the textured body, and how it got there. m, m/s.
