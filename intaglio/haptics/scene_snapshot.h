@@ -1,5 +1,5 @@
 // What the scene tells the servo loop, and what the loop tells the scene: plain values, copied through
-// latest-value slots (core/latest_value.h).
+// latest-value slots (core/latest.h).
 //
 // The loop runs several ticks on one snapshot: bodies go on moving as they did when it was taken. Reactions
 // are sums since the start, so that nothing is lost when the scene reads only every tenth of them.

@@ -54,12 +54,6 @@ void ServoLoop::publish(SceneSnapshot scene) {
   scene_.publish(scene);
 }
 
-bool ServoLoop::latest(ServoReport& report) {
-  const bool fresh = report_.update();
-  if (fresh) report = report_.value();
-  return fresh;
-}
-
 std::string ServoLoop::priority() const {
   const int error = scheduling_.load(std::memory_order_acquire);
   if (error < 0) return "servo thread not started";
@@ -72,8 +66,7 @@ std::string ServoLoop::priority() const {
 
 void ServoLoop::tick(double time) {
   if (rearm_.exchange(false, std::memory_order_acq_rel)) servo_.rearm();
-  scene_.update();
-  servo_.tick(device_, scene_.value(), time);
+  servo_.tick(device_, scene_.fetch(), time);
   report_.publish(servo_.report());
 }
 

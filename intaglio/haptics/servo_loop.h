@@ -13,7 +13,7 @@
 #include <string>
 #include <thread>
 
-#include "intaglio/core/latest_value.h"
+#include "intaglio/core/latest.h"
 #include "intaglio/haptics/lateness.h"
 #include "intaglio/haptics/servo.h"
 
@@ -35,8 +35,8 @@ class ServoLoop {
   double now() const;
   // Hands the scene over; its time becomes now().
   void publish(SceneSnapshot scene);
-  // The newest report; false when it is the same as at the last call.
-  bool latest(ServoReport& report);
+  // The newest report; its `ticks` tell whether it is a new one. Valid until the next call.
+  const ServoReport& latest() { return report_.fetch(); }
   // Clears a fault of the guard before the next tick.
   void rearm() { rearm_.store(true, std::memory_order_release); }
 
@@ -54,8 +54,8 @@ class ServoLoop {
   PenServo servo_;
   Device& device_;
   double start_time_;  // s, monotonic
-  LatestValue<SceneSnapshot> scene_;
-  LatestValue<ServoReport> report_;
+  Latest<SceneSnapshot> scene_;
+  Latest<ServoReport> report_;
   std::atomic<bool> running_{false}, rearm_{false};
   std::atomic<int> scheduling_{-1};  // 0: SCHED_FIFO; else errno
   std::atomic<std::uint64_t> left_out_{0};

@@ -53,6 +53,8 @@ struct Recording {
   std::shared_ptr<const surface::Surface> surface;
   std::vector<std::string> notes;  // what import found and assumed of the texture, a line each
 
+  std::vector<std::string> warnings;  // what the scene asks of a device that it cannot do, a line each
+
   std::vector<BallTrack> balls;
   std::vector<haptics::ServoSample> servo;  // one a tick, the first at time 0; empty without a pen
   BodyId pen = 0;                           // 0: no pen

@@ -44,11 +44,9 @@ void pause(double seconds) {
 
 // Publishes every 5 ms for `seconds`, rearming what a busy machine has tripped.
 double beat(ServoLoop& loop, double seconds) {
-  ServoReport report;
   double last = 0;
   for (const double end = loop.now() + seconds; loop.now() < end; pause(0.005)) {
-    loop.latest(report);
-    if ((report.guard_status & guard_status::fault) != 0) loop.rearm();
+    if ((loop.latest().guard_status & guard_status::fault) != 0) loop.rearm();
     last = loop.now();
     loop.publish({});
   }
@@ -65,9 +63,7 @@ TEST_CASE("a scene that stalls: the hand is let go of after 20 ms, within 50, an
   loop.start();
   const double stalled = beat(loop, 1.2);
   pause(0.2);
-  ServoReport report;
-  loop.latest(report);
-  CHECK((report.guard_status & guard_status::fault) != 0);
+  CHECK((loop.latest().guard_status & guard_status::fault) != 0);
   const double again = beat(loop, 1.0);
   loop.stop();
   MESSAGE(loop.priority());
@@ -105,7 +101,7 @@ TEST_CASE("the loop reports what it did; a device that is not there feels nothin
   for (int k = 0; k < 400 && report.ticks < 100; ++k) {
     loop.publish({});
     pause(0.002);
-    loop.latest(report);
+    report = loop.latest();
   }
   loop.stop();
   CHECK(report.ticks >= 100);
