@@ -60,11 +60,12 @@ void PenServo::rearm() {
 
 bool PenServo::read(Device& device, const SceneSnapshot& scene, double time, Motion& motion) {
   device_tip_ = device.read();
-  const Quat turn = device.reads_orientation() ? device.orientation() : Quat::Identity();
-  if (!device_tip_.allFinite() || !turn.coeffs().allFinite() || !std::isfinite(time)) return false;
+  const bool turns = device.reads_orientation();
+  device_turn_ = turns ? device.orientation() : Quat::Identity();
+  if (!device_tip_.allFinite() || !device_turn_.coeffs().allFinite() || !std::isfinite(time)) return false;
   motion.body = scene.textured.after(time - scene.time);
   motion.world_pen = {options_.workspace.to_world(device_tip_),
-                      device.reads_orientation() ? Vec3(turn * Vec3::UnitY()) : options_.pen.direction};
+                      turns ? Vec3(device_turn_ * Vec3::UnitY()) : options_.pen.direction};
   motion.pen = {motion.body.to_local(motion.world_pen.tip),
                 motion.body.orientation.conjugate() * motion.world_pen.up};
   if (!started_) {
@@ -134,6 +135,8 @@ GuardedForce PenServo::send(Device& device, const Wrench& wanted, const SceneSna
   input.link_time = time - device.silent_for();
   const GuardedForce guarded = guard_.pass(input);
   device.write(guarded);
+  sample.device = device_tip_;
+  sample.orientation = device_turn_;
   sample.force = guarded.newtons();
   sample.wanted = wanted.force;
   sample.torque = wanted.torque;

@@ -59,17 +59,19 @@ struct ServoOptions {
 
 // What one tick found and did. World frame, SI.
 struct ServoSample {
-  Vec3 tip = Vec3::Zero();       // m
-  Vec3 velocity = Vec3::Zero();  // m/s, filtered, relative to the textured body
-  Vec3 proxy = Vec3::Zero();     // m, where the tip is shown: on the surface while it touches
-  Vec3 force = Vec3::Zero();     // N, as sent to the device
-  Vec3 wanted = Vec3::Zero();    // N, before the guard
-  Vec3 torque = Vec3::Zero();    // N m about the grip, before the guard
-  Vec3 n_s = Vec3::UnitY();      // sampled normal
-  Vec2 uv = Vec2::Zero();        // of the proxy
-  double surface_height = 0;     // m above the base plane, of the surface at uv (<= 0)
-  double energy_surplus = 0;     // J, of the passivity observer
-  bool touching = false;         // the texture
+  Vec3 device = Vec3::Zero();           // m, as read, device frame
+  Quat orientation = Quat::Identity();  // as read; the identity where the device tells none
+  Vec3 tip = Vec3::Zero();              // m
+  Vec3 velocity = Vec3::Zero();         // m/s, filtered, relative to the textured body
+  Vec3 proxy = Vec3::Zero();            // m, where the tip is shown: on the surface while it touches
+  Vec3 force = Vec3::Zero();            // N, as sent to the device
+  Vec3 wanted = Vec3::Zero();           // N, before the guard
+  Vec3 torque = Vec3::Zero();           // N m about the grip, before the guard
+  Vec3 n_s = Vec3::UnitY();             // sampled normal
+  Vec2 uv = Vec2::Zero();               // of the proxy
+  double surface_height = 0;            // m above the base plane, of the surface at uv (<= 0)
+  double energy_surplus = 0;            // J, of the passivity observer
+  bool touching = false;                // the texture
   bool touching_ball = false;
   std::uint32_t guard_status = 0;
 };
@@ -131,8 +133,9 @@ class PenServo {
   ServoReport report_;
   SceneSnapshot at_rest_;
   Vec3 device_tip_ = Vec3::Zero();  // m, device frame
-  Vec3 last_ = Vec3::Zero();        // m, tip in the body's frame
-  Vec3 velocity_ = Vec3::Zero();    // m/s, body's frame
+  Quat device_turn_ = Quat::Identity();
+  Vec3 last_ = Vec3::Zero();      // m, tip in the body's frame
+  Vec3 velocity_ = Vec3::Zero();  // m/s, body's frame
   double time_ = 0, keep_ = 0;
   bool started_ = false;
 };

@@ -146,6 +146,7 @@ Simulation::Simulation(const Scene& scene, const SceneSurface& surface)
   recording_.fps = scene.video.fps;
   recording_.representation = scene.surface.representation;
   recording_.surface = surface_;
+  recording_.texture = scene.surface.texture;
   for (const dynamics::SphereBody& ball : scene.balls)
     recording_.balls.push_back({world_.add(ball), ball.radius, {}});
   if (scene.pen) {
