@@ -26,26 +26,6 @@ Quat rotation_of(const Vec3& degrees) {
          Eigen::AngleAxisd(r.x(), Vec3::UnitX());
 }
 
-haptics::ServoOptions servo_options(const Scene& scene, const Material& floor) {
-  const PenScene& pen = *scene.pen;
-  haptics::ServoOptions options;
-  options.representation = scene.surface.representation;
-  options.method = pen.method;
-  options.spring = pen.spring;
-  options.friction = std::sqrt(pen.material.friction * floor.friction);
-  options.passivity = pen.method == haptics::HapticMethod::potential;
-  options.limits = pen.limits;
-  options.workspace = pen.workspace;
-  options.pen.length = pen.length;
-  options.pen.radius = pen.radius;
-  options.pen.tip_radius = pen.tip_radius;
-  options.pen.grip = 0.4 * pen.length;
-  options.pen.direction = pen.direction;
-  options.thickness = scene.surface.thickness;
-  options.rate = pen.device.rate;
-  return options;
-}
-
 // What the scene's pen cannot display without the hand's help, if anything.
 std::optional<std::string> stability_of(const PenScene& pen) {
   const haptics::DeviceDynamics device{pen.hand.damping, 0.02, pen.device.resolution, pen.device.rate};
@@ -129,6 +109,26 @@ Result<SceneSurface> make_surface(const Scene& scene) {
   return out;
 }
 
+haptics::ServoOptions pen_options(const Scene& scene, const Material& floor) {
+  const PenScene& pen = *scene.pen;
+  haptics::ServoOptions options;
+  options.representation = scene.surface.representation;
+  options.method = pen.method;
+  options.spring = pen.spring;
+  options.friction = std::sqrt(pen.material.friction * floor.friction);
+  options.passivity = pen.method == haptics::HapticMethod::potential;
+  options.limits = pen.limits;
+  options.workspace = pen.workspace;
+  options.pen.length = pen.length;
+  options.pen.radius = pen.radius;
+  options.pen.tip_radius = pen.tip_radius;
+  options.pen.grip = 0.4 * pen.length;
+  options.pen.direction = pen.direction;
+  options.thickness = scene.surface.thickness;
+  options.rate = pen.device.rate;
+  return options;
+}
+
 Simulation::Simulation(const Scene& scene, const SceneSurface& surface)
     : scene_(scene),
       surface_(surface.surface),
@@ -151,7 +151,7 @@ Simulation::Simulation(const Scene& scene, const SceneSurface& surface)
     recording_.balls.push_back({world_.add(ball), ball.radius, {}});
   if (scene.pen) {
     device_.emplace(scene.pen->device, scene.pen->hand, device_path(*scene.pen));
-    servo_.emplace(surface_, servo_options(scene, floor_material_));
+    servo_.emplace(surface_, pen_options(scene, floor_material_));
     if (const auto warning = stability_of(*scene.pen)) recording_.warnings.push_back(*warning);
     recording_.pen = static_cast<BodyId>(scene.balls.size() + 1);
     pushed_.assign(std::min(scene.balls.size(), haptics::most_balls), Vec3::Zero());

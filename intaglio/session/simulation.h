@@ -28,6 +28,9 @@ struct SceneSurface {
 };
 Result<SceneSurface> make_surface(const Scene& scene);
 
+// How the scene's pen is felt on a floor of that material. The scene has a pen.
+haptics::ServoOptions pen_options(const Scene& scene, const Material& floor);
+
 // Where everything is, for one picture.
 struct Snapshot {
   double time = 0;
