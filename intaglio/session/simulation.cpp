@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "intaglio/core/file.h"
+#include "intaglio/haptics/contact_stiffness.h"
 #include "intaglio/haptics/limits.h"
 #include "intaglio/sound/fem/shapes.h"
 #include "intaglio/sound/level.h"
@@ -115,6 +116,7 @@ haptics::ServoOptions pen_options(const Scene& scene, const Material& floor) {
   options.representation = scene.surface.representation;
   options.method = pen.method;
   options.spring = pen.spring;
+  options.spring.stiffness = haptics::felt_stiffness(floor, pen.tip_radius, pen.spring.stiffness);
   options.friction = std::sqrt(pen.material.friction * floor.friction);
   options.passivity = pen.method == haptics::HapticMethod::potential;
   options.limits = pen.limits;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "intaglio/haptics/servo.h"
 #include "tests/haptics/closed_loops.h"
 #include "tests/surface/brick_surface.h"
 
@@ -72,4 +73,49 @@ TEST_CASE("400 closed loops: contact gives the hand no energy; the paper's plane
   CHECK(lossy.worst <= 0);
   CHECK(plane.worst > 1e-4);
   CHECK(literal.worst > 1e-4);
+}
+
+TEST_CASE(
+    "held for a millisecond the force still gives no energy: the whole servo loop, 1 kHz and 23 um encoders") {
+  // Work is exactly the force held times the true displacement.
+  struct Led : Device {
+    Vec3 position = Vec3::Zero(), force = Vec3::Zero();
+    Vec3 read() override { return (position / 2.3e-5).array().round().matrix() * 2.3e-5; }
+    void write(const GuardedForce& f) override { force = f.newtons(); }
+  };
+  const auto s = tests::brick_surface(512, 0.1);
+  constexpr int loops = 100;
+  for (const bool controlled : {true, false}) {
+    for (const double friction : {0.0, 0.4}) {
+      Random random(7);
+      Table table{"friction " + std::to_string(friction) + (controlled ? ", controller" : ", no controller")};
+      for (int n = 0; n < loops; ++n) {
+        const auto path = tests::closed_loop(*s, random, speed * 1e-3);
+        Led device;
+        ServoOptions options;
+        options.spring = {stiffness, friction > 0 ? 1.0 : 0.0};
+        options.friction = friction;
+        options.passivity = controlled;
+        options.pen.tip_radius = 0.0005;
+        options.limits.continuous_force = options.limits.peak_force = 1e3;
+        options.limits.slew_rate = 1e7;
+        PenServo servo(s, options);
+        for (int k = 0; k < 600; ++k) device.position = path[0], servo.tick(device);
+        // The second time round counts.
+        double work = 0;
+        for (int round = 0; round < 2; ++round) {
+          work = 0;
+          for (std::size_t k = 1; k < path.size(); ++k) {
+            work += device.force.dot(path[k] - path[k - 1]);
+            device.position = path[k];
+            servo.tick(device);
+          }
+        }
+        table.add(work, loops);
+      }
+      MESSAGE(table.method << ": work on the hand a loop, worst " << 1e3 * table.worst << " mJ, mean "
+                           << 1e3 * table.mean << " mJ");
+      if (controlled && friction > 0) CHECK(table.worst <= 0);
+    }
+  }
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "intaglio/core/random.h"
+#include "intaglio/haptics/contact_stiffness.h"
 #include "intaglio/haptics/limits.h"
 #include "intaglio/haptics/passivity.h"
 
@@ -90,4 +91,15 @@ TEST_CASE("a sampled spring gives a shaken hand energy; under the passivity cont
     if (controlled) CHECK(work < 2.5e-3);  // never more than the cap on the deficit and a tick
     if (!controlled) CHECK(work > 0.05);
   }
+}
+
+TEST_CASE("stone feels as stiff as the device shows, foam as soft as it is") {
+  Material foam;
+  foam.youngs_modulus = 5e4;
+  foam.poisson_ratio = 0;
+  CHECK(punch_stiffness(foam, 0.001) == doctest::Approx(100));
+  CHECK(felt_stiffness(foam, 0.001, 800) == doctest::Approx(800.0 * 100 / 900));
+  for (const Material& material : materials())
+    CHECK(felt_stiffness(material, 0.001, 800) == doctest::Approx(800).epsilon(0.001));
+  CHECK(felt_stiffness(foam, 0, 800) == 800);
 }
