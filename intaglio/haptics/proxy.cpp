@@ -37,12 +37,12 @@ Vec3 Proxy::step(const Vec3& x, const ContactStiffness& k, double friction) cons
   const double along = k.surface * depth / (k.coupling + k.surface * g2);
   const Vec3 to_minimum = x - along * g - y_;
   if (friction == 0) return to_minimum;
-  const double normal_force = k.coupling * along * std::sqrt(g2);
+  const double load = k.coupling * along;  // the normal force's part along the base's normal
   const Vec3 normal_part = to_minimum.dot(g) / g2 * g;
   const Vec3 tangential = to_minimum - normal_part;
   const double pull = k.coupling * tangential.norm();
-  if (pull <= friction * normal_force) return normal_part;
-  return normal_part + (1 - friction * normal_force / pull) * tangential;
+  if (pull <= friction * load) return normal_part;
+  return normal_part + (1 - friction * load / pull) * tangential;
 }
 
 // Goes along `step`, or less far, where W does not grow; false: nowhere.

@@ -10,9 +10,11 @@
 // work is -dW less what y's descent has dissipated: no closed loop gives energy, whether or not the descent
 // has converged, whatever the texture. Converged and without friction, the force is the gradient of a
 // single-valued potential, the Moreau envelope of U. Friction is a y that stays behind: its tangential step
-// ends where the rest of the pull is mu times the normal force (stick and slip by themselves). The stiffness
-// felt is K_c K_s / (K_c + K_s) on flat ground and never more than K_c, however steep the relief: potentials
-// taken at the tip itself have K (1 + slope^2).
+// ends where the rest of the pull is mu times the load, the normal force's part along the base's normal
+// (stick and slip by themselves). Of the load and not of the normal force, so that a steep wall of a texture
+// does not lock the tip for ever: with mu times the slope over 1 no pull along the base would get it over.
+// The stiffness felt is K_c K_s / (K_c + K_s) on flat ground and never more than K_c, however steep the
+// relief: potentials taken at the tip itself have K (1 + slope^2).
 //
 // Frame: the body's own; SI. Real-time: at most 6 samples of the solid a move, mostly 1; one thread. Sources:
 // Zilles and Salisbury 1995 (god object), Ruspini et al. 1997 and Hayward and Armstrong 2000 (friction),

@@ -117,7 +117,12 @@ void read_pen(TomlReader& r, PenScene& pen) {
   int method = static_cast<int>(pen.method);
   r.choice("method", {"potential", "plane"}, method);
   pen.method = static_cast<haptics::HapticMethod>(method);
-  r.number("tip_radius", pen.tip_radius, at_least_zero("a tip radius must be between 0 m and 0.1 m", 0.1));
+  if (r.has("tip_radius")) {
+    r.number("tip_radius", pen.tip_radius.emplace(),
+             at_least_zero("a tip radius must be between 0 m and 1 m", 1));
+  } else {
+    r.optional_key("tip_radius");
+  }
   r.number("stiffness", pen.spring.stiffness, at_least_zero("stiffness must be between 0 and 1e5 N/m", 1e5));
   r.number("damping", pen.spring.damping, at_least_zero("damping must be between 0 and 1e3 N s/m", 1e3));
   int rate = static_cast<int>(pen.device.rate);

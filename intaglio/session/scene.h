@@ -46,7 +46,7 @@ struct PenScene {
   Vec3 direction = Vec3(0.25, 1, 0.35);  // from the tip up the shaft, world
   haptics::WorkspaceMap workspace;
   haptics::HapticMethod method = haptics::HapticMethod::potential;
-  double tip_radius = 0.001;  // m, world
+  std::optional<double> tip_radius;  // m, world; unset: 1 mm at the device
   haptics::Spring spring;
   haptics::GuardLimits limits;
   haptics::DeviceModel device;

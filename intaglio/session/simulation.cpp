@@ -116,14 +116,14 @@ haptics::ServoOptions pen_options(const Scene& scene, const Material& floor) {
   options.representation = scene.surface.representation;
   options.method = pen.method;
   options.spring = pen.spring;
-  options.spring.stiffness = haptics::felt_stiffness(floor, pen.tip_radius, pen.spring.stiffness);
   options.friction = std::sqrt(pen.material.friction * floor.friction);
   options.passivity = pen.method == haptics::HapticMethod::potential;
   options.limits = pen.limits;
   options.workspace = pen.workspace;
   options.pen.length = pen.length;
   options.pen.radius = pen.radius;
-  options.pen.tip_radius = pen.tip_radius;
+  options.pen.tip_radius = pen.tip_radius.value_or(0.001 * pen.workspace.scale);
+  options.spring.stiffness = haptics::felt_stiffness(floor, options.pen.tip_radius, pen.spring.stiffness);
   options.pen.grip = 0.4 * pen.length;
   options.pen.direction = pen.direction;
   options.thickness = scene.surface.thickness;
