@@ -7,7 +7,7 @@ namespace intaglio::haptics {
 
 namespace {
 
-constexpr double converged = 1e-8;  // m
+constexpr double converged = 1e-7;  // m: a tenth of a millinewton
 constexpr int most_steps = 3;
 
 }  // namespace
