@@ -46,6 +46,7 @@ void summarise(const session::Recording& recording, const std::string& output) {
   fmt::print("{}\n  {:.1f} s of scene in {:.1f} s; modal analysis {:.1f} CPU-s\n", output, recording.duration,
              recording.wall_s, recording.bake_s);
   for (const std::string& note : recording.notes) fmt::print("  texture: {}\n", note);
+  for (const std::string& warning : recording.warnings) fmt::print("  warning: {}\n", warning);
   for (const session::SenseCost& cost : recording.costs) {
     fmt::print("  {:9} {:>20}: median {:9.2f} us, p99 {:9.2f} us, {:6.2f} CPU-s\n", cost.sense, cost.step,
                cost.median_us, cost.p99_us, cost.total_s);

@@ -208,6 +208,11 @@ Vec3 World::velocity(BodyId body) const {
 Vec3 World::angular_velocity(BodyId body) const {
   return from_bullet(state_->body(body).rigid->getAngularVelocity());
 }
+void World::push(BodyId body, const Vec3& impulse) {
+  btRigidBody& rigid = *state_->body(body).rigid;
+  rigid.activate(true);
+  rigid.applyCentralImpulse(to_bullet(impulse));
+}
 double World::momentum_residual() const {
   return state_->momentum_residual;
 }

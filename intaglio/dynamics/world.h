@@ -48,6 +48,9 @@ class World {
   // Bodies are numbered from 1; 0 is the floor.
   BodyId add(const SphereBody& body);
 
+  // An impulse through the body's centre (N s), from something outside this world: a pen. Wakes the body.
+  void push(BodyId body, const Vec3& impulse);
+
   // One fixed step. Afterwards events() holds its contacts, in order of body.
   void step();
 

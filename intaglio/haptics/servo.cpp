@@ -3,66 +3,213 @@
 #include <cmath>
 #include <numbers>
 
-#include "intaglio/haptics/plane.h"
-
 namespace intaglio::haptics {
 
-DepthTest depth_test(const surface::Surface& surface, Representation representation, const Vec3& tip_local) {
-  const surface::Placement& place = surface.placement();
-  if (!tip_local.allFinite() || !place.covers(tip_local)) return {};
-  const double z = representation == Representation::relief ? -surface.depth(place.uv(tip_local)) : 0.0;
-  return {tip_local.z() < z, Vec3(tip_local.x(), tip_local.y(), z)};
+namespace {
+
+SolidOptions solid_options(const ServoOptions& options) {
+  return {options.representation, 2 * options.pen.tip_radius, options.thickness};
 }
 
-PenServo::PenServo(std::shared_ptr<const surface::Surface> surface, const ServoOptions& options)
-    : surface_(std::move(surface)), options_(options), guard_(options.limits) {}
+// Normals without a height have no potential: only the paper's plane can show them.
+HapticMethod possible(const ServoOptions& options, const surface::Surface& surface) {
+  const bool normals_only = options.representation == Representation::normal && !surface.has_depth();
+  return normals_only ? HapticMethod::plane : options.method;
+}
 
-ServoSample PenServo::refuse(Device& device, const Vec3& position, double dt) {
-  // The guard sees the bad number, so that it latches; the filter does not, so that rearm() brings back a
+// What sampling makes of a spring is 1/2 K dx^2 a tick: twice the damping that takes that away.
+PassivityOptions passivity_options(const ContactStiffness& stiffness, double rate) {
+  PassivityOptions options;
+  options.most_damping = stiffness.coupling / rate;
+  return options;
+}
+
+// Damps motion along the normal without ever pulling.
+Vec3 damped(const Vec3& force, const Vec3& normal, const Vec3& velocity, double damping) {
+  const double push = force.dot(normal);
+  return push > 0 ? Vec3(force + std::max(-push, -damping * normal.dot(velocity)) * normal) : force;
+}
+
+}  // namespace
+
+PenServo::PenServo(std::shared_ptr<const surface::Surface> surface, const ServoOptions& options)
+    : PenServo(surface, std::make_shared<TexturedSlab>(surface, solid_options(options)), options) {
+  options_.method = possible(options, *surface_);
+}
+
+PenServo::PenServo(std::shared_ptr<const surface::Surface> surface, std::shared_ptr<const Solid> solid,
+                   const ServoOptions& options)
+    : surface_(std::move(surface)),
+      solid_(std::move(solid)),
+      options_(options),
+      stiffness_(ContactStiffness::felt(options.spring.stiffness / std::pow(options.workspace.scale, 2))),
+      spring_{options.spring.stiffness / std::pow(options.workspace.scale, 2),
+              options.spring.damping / std::pow(options.workspace.scale, 2)},
+      plane_(std::min(options.plane_rate, options.rate)),
+      passivity_(passivity_options(stiffness_, options.rate)),
+      guard_(options.limits),
+      keep_(std::exp(-2 * std::numbers::pi * options.velocity_cutoff / options.rate)) {
+  options_.method = HapticMethod::potential;
+  options_.pen.direction.normalize();
+}
+
+void PenServo::rearm() {
+  guard_.rearm();
+  started_ = false;
+}
+
+bool PenServo::read(Device& device, const SceneSnapshot& scene, double time, Motion& motion) {
+  device_tip_ = device.read();
+  const bool turns = device.reads_orientation();
+  device_turn_ = turns ? device.orientation() : Quat::Identity();
+  if (!device_tip_.allFinite() || !device_turn_.coeffs().allFinite() || !std::isfinite(time)) return false;
+  motion.body = scene.textured.after(time - scene.time);
+  motion.world_pen = {options_.workspace.to_world(device_tip_),
+                      turns ? Vec3(device_turn_ * Vec3::UnitY()) : options_.pen.direction};
+  motion.pen = {motion.body.to_local(motion.world_pen.tip),
+                motion.body.orientation.conjugate() * motion.world_pen.up};
+  if (!started_) {
+    last_ = motion.pen.tip;
+    velocity_.setZero();
+    proxy_.forget();
+    plane_.forget();
+    passivity_.reset();
+    passivity_.sent(Vec3::Zero());
+  }
+  motion.displacement = motion.pen.tip - last_;
+  velocity_ = keep_ * velocity_ + (1 - keep_) * options_.rate * motion.displacement;
+  motion.velocity = velocity_;
+  last_ = motion.pen.tip;
+  started_ = true;
+  return true;
+}
+
+PenServo::Touch PenServo::touch(const Motion& motion) {
+  const Vec3& x = motion.pen.tip;
+  if (options_.method == HapticMethod::plane) {
+    const auto c =
+        plane_.move(*surface_, options_.representation, x, motion.velocity, spring_, 1 / options_.rate);
+    return {c.touching, c.force, c.normal, c.proxy, c.energy};
+  }
+  const auto c = proxy_.move(*solid_, x, stiffness_, options_.friction);
+  if (!c.touching) return {false, Vec3::Zero(), c.normal, x, 0};
+  return {true, damped(c.force, c.normal, motion.velocity, spring_.damping), c.normal, proxy_.position(),
+          c.energy};
+}
+
+Vec3 PenServo::touch_balls(const Motion& motion, const SceneSnapshot& scene, Wrench& wrench) {
+  Vec3 sum = Vec3::Zero();
+  const Vec3 tip_velocity = motion.body.orientation * motion.velocity;
+  for (std::size_t k = 0; k < std::min(scene.ball_count, most_balls); ++k) {
+    SceneBall ball = scene.balls[k];
+    ball.position += (time_ - scene.time) * ball.velocity;
+    const BallContact contact =
+        touch_ball(options_.pen, motion.world_pen, tip_velocity, ball, spring_.stiffness, spring_.damping);
+    if (!contact.touching) continue;
+    report_.ball_impulse[k] -= contact.force / options_.rate;
+    wrench += Wrench::of(contact.force, contact.point, motion.world_pen.at(options_.pen.grip));
+    sum += contact.force;
+  }
+  return sum;
+}
+
+void PenServo::describe(const Motion& motion, const Touch& touch, ServoSample& sample) const {
+  const surface::Placement& place = surface_->placement();
+  sample.tip = motion.world_pen.tip;
+  sample.velocity = motion.body.orientation * motion.velocity;
+  sample.proxy = motion.body.to_world(touch.proxy);
+  sample.touching = touch.touching;
+  sample.uv = place.uv(place.to_local(touch.proxy));
+  const bool flat = options_.representation == Representation::flat;
+  sample.n_s = motion.body.orientation * (flat ? place.n() : surface_->world_normal(sample.uv));
+  if (options_.representation == Representation::relief) sample.surface_height = -surface_->depth(sample.uv);
+}
+
+GuardedForce PenServo::send(Device& device, const Wrench& wanted, const SceneSnapshot& scene, double time,
+                            ServoSample& sample) {
+  GuardInput input;
+  input.wanted = wanted;
+  input.tip = device_tip_;
+  input.time = time;
+  input.scene_time = scene.time;
+  input.link_time = time - device.silent_for();
+  const GuardedForce guarded = guard_.pass(input);
+  device.write(guarded);
+  sample.device = device_tip_;
+  sample.orientation = device_turn_;
+  sample.force = guarded.newtons();
+  sample.wanted = wanted.force;
+  sample.torque = wanted.torque;
+  sample.guard_status = guard_.status();
+  return guarded;
+}
+
+ServoSample PenServo::refuse(Device& device, double time) {
+  // The guard sees the bad number, so that it latches; the filters do not, so that rearm() brings back a
   // sound state.
   started_ = false;
-  velocity_.setZero();
   ServoSample sample;
-  sample.wanted = position;
-  const GuardedForce guarded = guard_.pass(position, dt);
-  device.write(guarded);
-  sample.force = guarded.newtons();
-  sample.guard_status = guard_.status();
+  SceneSnapshot scene;
+  scene.time = time;
+  Wrench bad;
+  bad.force.setConstant(std::numeric_limits<double>::quiet_NaN());
+  send(device, bad, scene, time, sample);
   return sample;
 }
 
-ServoSample PenServo::tick(Device& device) {
-  const double dt = 1.0 / options_.rate;
-  const Vec3 position = device.read();
-  if (!position.allFinite()) return refuse(device, position, dt);
-  if (!started_) last_position_ = position;
-  started_ = true;
-  const double keep = std::exp(-2 * std::numbers::pi * options_.velocity_cutoff * dt);
-  velocity_ = keep * velocity_ + (1 - keep) * (position - last_position_) / dt;
-  last_position_ = position;
+void PenServo::remember(const Wrench& about_body, const ServoSample& sample, double time) {
+  report_.time = time;
+  report_.tip = sample.tip;
+  report_.proxy = sample.proxy;
+  report_.force = sample.force;
+  report_.touching = sample.touching;
+  report_.guard_status = sample.guard_status;
+  ++report_.ticks;
+  report_.textured_impulse -= about_body.force / options_.rate;
+  report_.textured_angular_impulse -= about_body.torque / options_.rate;
+}
 
-  const surface::Placement& place = surface_->placement();
+ServoSample PenServo::tick(Device& device) {
+  time_ += 1 / options_.rate;
+  at_rest_.time = time_;
+  return tick(device, at_rest_, time_);
+}
+
+ServoSample PenServo::tick(Device& device, const SceneSnapshot& scene, double time) {
+  time_ = time;
+  Motion motion;
+  if (!read(device, scene, time, motion)) return refuse(device, time);
   ServoSample sample;
-  sample.tip = options_.workspace.to_world(position);
-  sample.velocity = options_.workspace.scale * velocity_;
-  const DepthTest test = depth_test(*surface_, options_.representation, place.to_local(sample.tip));
-  sample.uv = place.uv(place.to_local(sample.tip));
-  sample.surface_height = test.projected.z();
-  sample.touching = test.collides;
-  sample.proxy = test.collides ? place.to_world(test.projected) : sample.tip;
-  if (test.collides) {
-    sample.n_s =
-        options_.representation == Representation::flat ? place.n() : surface_->world_normal(sample.uv);
-    // The spring lives in the device's workspace, so that its stiffness is what the hand feels whatever the
-    // scale.
-    const Plane plane =
-        tangent_plane(options_.workspace.to_device(place.to_world(test.projected)), sample.n_s);
-    sample.wanted = plane_force(plane, options_.spring, position, velocity_);
+  Touch touch = this->touch(motion);
+  passivity_.observe(motion.displacement, touch.energy);
+  if (options_.passivity && touch.touching)
+    touch.force += passivity_.damp(motion.displacement, 1 / options_.rate);
+  describe(motion, touch, sample);
+  sample.energy_surplus = passivity_.surplus();
+
+  const Vec3 tip_force = motion.body.orientation * touch.force;
+  const Vec3 grip = motion.world_pen.at(options_.pen.grip);
+  // The tip's force acts where the tip is.
+  Wrench wrench = Wrench::of(tip_force, motion.world_pen.tip, grip);
+  Wrench shaft;
+  if (options_.pen.shaft_stiffness > 0) {
+    const Wrench local = shaft_wrench(*solid_, options_.pen, motion.pen);
+    shaft = {motion.body.orientation * local.force, motion.body.orientation * local.torque};
+    wrench += shaft;
   }
-  const GuardedForce guarded = guard_.pass(sample.wanted, dt);
-  device.write(guarded);
-  sample.force = guarded.newtons();
-  sample.guard_status = guard_.status();
+  const Vec3 ball_force = touch_balls(motion, scene, wrench);
+  sample.touching_ball = ball_force != Vec3::Zero();
+
+  const double scale = options_.workspace.scale;
+  const GuardedForce guarded = send(device, {scale * wrench.force, wrench.torque}, scene, time, sample);
+  // What the guard took away it took from the texture's part.
+  const Vec3 sent = guarded.newtons() / scale - ball_force - shaft.force;
+  passivity_.sent(motion.body.orientation.conjugate() * sent);
+  const bool whole = (sample.guard_status & (guard_status::ramping | guard_status::fault)) == 0;
+  if (!whole) passivity_.reset(touch.energy);
+  Wrench about_body = Wrench::of(tip_force, sample.proxy, motion.body.position);
+  about_body += shaft.about(motion.body.position - grip);
+  remember(about_body, sample, time);
   return sample;
 }
 

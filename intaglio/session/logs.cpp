@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "intaglio/haptics/haptic_log.h"
+
 namespace intaglio::session {
 
 namespace {
@@ -26,16 +28,9 @@ std::string events_csv(const Recording& recording) {
 }
 
 std::string servo_csv(const Recording& recording) {
-  std::string out =
-      "time_s,tip_x_m,tip_y_m,tip_z_m,u,v,surface_height_m,n_sx,n_sy,n_sz,touching,force_x_N,force_y_N,force_"
-      "z_N,wanted_x_N,wanted_y_N,wanted_z_N,guard_status\n";
-  for (std::size_t k = 0; k < recording.servo.size(); ++k) {
-    const haptics::ServoSample& s = recording.servo[k];
-    out += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", static_cast<double>(k) / recording.servo_rate,
-                       columns(s.tip), s.uv.x(), s.uv.y(), s.surface_height, columns(s.n_s),
-                       s.touching ? 1 : 0, columns(s.force), columns(s.wanted), s.guard_status);
-  }
-  return out;
+  return haptics::encode_log(recording.servo_rate, recording.texture,
+                             recording.surface ? haptics::fingerprint(*recording.surface) : 0,
+                             recording.servo);
 }
 
 }  // namespace intaglio::session

@@ -114,6 +114,15 @@ void read_pen(TomlReader& r, PenScene& pen) {
   read_direction(r, "direction", pen.direction);
   r.vector("workspace_origin", pen.workspace.origin);
   r.number("workspace_scale", pen.workspace.scale, positive("a scale must be greater than 0", 1e3));
+  int method = static_cast<int>(pen.method);
+  r.choice("method", {"potential", "plane"}, method);
+  pen.method = static_cast<haptics::HapticMethod>(method);
+  if (r.has("tip_radius")) {
+    r.number("tip_radius", pen.tip_radius.emplace(),
+             at_least_zero("a tip radius must be between 0 m and 1 m", 1));
+  } else {
+    r.optional_key("tip_radius");
+  }
   r.number("stiffness", pen.spring.stiffness, at_least_zero("stiffness must be between 0 and 1e5 N/m", 1e5));
   r.number("damping", pen.spring.damping, at_least_zero("damping must be between 0 and 1e3 N s/m", 1e3));
   int rate = static_cast<int>(pen.device.rate);

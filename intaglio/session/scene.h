@@ -45,6 +45,8 @@ struct PenScene {
   Material material = *find_material("wood");
   Vec3 direction = Vec3(0.25, 1, 0.35);  // from the tip up the shaft, world
   haptics::WorkspaceMap workspace;
+  haptics::HapticMethod method = haptics::HapticMethod::potential;
+  std::optional<double> tip_radius;  // m, world; unset: 1 mm at the device
   haptics::Spring spring;
   haptics::GuardLimits limits;
   haptics::DeviceModel device;

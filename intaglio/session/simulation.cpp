@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 
+#include "intaglio/haptics/limits.h"
 #include "intaglio/sound/fem/shapes.h"
 #include "intaglio/sound/level.h"
 #include "intaglio/surface/builtin/builtin.h"
@@ -24,9 +25,10 @@ Quat rotation_of(const Vec3& degrees) {
          Eigen::AngleAxisd(r.x(), Vec3::UnitX());
 }
 
-haptics::ServoOptions servo_options(const Scene& scene) {
-  const PenScene& pen = *scene.pen;
-  return {scene.surface.representation, pen.spring, pen.limits, pen.workspace, pen.device.rate, 60};
+// What the scene's pen cannot display without the hand's help, if anything.
+std::optional<std::string> stability_of(const PenScene& pen) {
+  const haptics::DeviceDynamics device{pen.hand.damping, 0.02, pen.device.resolution, pen.device.rate};
+  return haptics::stability_warning(device, pen.spring.stiffness, pen.spring.damping);
 }
 
 std::vector<haptics::Waypoint> device_path(const PenScene& pen) {
@@ -81,6 +83,27 @@ Result<SceneSurface> make_surface(const Scene& scene) {
   return out;
 }
 
+haptics::ServoOptions pen_options(const Scene& scene, const Material& floor) {
+  const PenScene& pen = *scene.pen;
+  haptics::ServoOptions options;
+  options.representation = scene.surface.representation;
+  options.method = pen.method;
+  options.spring = pen.spring;
+  options.friction = std::sqrt(pen.material.friction * floor.friction);
+  options.passivity = pen.method == haptics::HapticMethod::potential;
+  options.limits = pen.limits;
+  options.workspace = pen.workspace;
+  options.pen.length = pen.length;
+  options.pen.radius = pen.radius;
+  options.pen.tip_radius = pen.tip_radius.value_or(0.001 * pen.workspace.scale);
+  options.spring.stiffness = haptics::felt_stiffness(floor, options.pen.tip_radius, pen.spring.stiffness);
+  options.pen.grip = 0.4 * pen.length;
+  options.pen.direction = pen.direction;
+  options.thickness = scene.surface.thickness;
+  options.rate = pen.device.rate;
+  return options;
+}
+
 Simulation::Simulation(const Scene& scene, const SceneSurface& surface)
     : scene_(scene),
       surface_(surface.surface),
@@ -98,12 +121,15 @@ Simulation::Simulation(const Scene& scene, const SceneSurface& surface)
   recording_.fps = scene.video.fps;
   recording_.representation = scene.surface.representation;
   recording_.surface = surface_;
+  recording_.texture = scene.surface.texture;
   for (const dynamics::SphereBody& ball : scene.balls)
     recording_.balls.push_back({world_.add(ball), ball.radius, {}});
   if (scene.pen) {
     device_.emplace(scene.pen->device, scene.pen->hand, device_path(*scene.pen));
-    servo_.emplace(surface_, servo_options(scene));
+    servo_.emplace(surface_, pen_options(scene, floor_material_));
+    if (const auto warning = stability_of(*scene.pen)) recording_.warnings.push_back(*warning);
     recording_.pen = static_cast<BodyId>(scene.balls.size() + 1);
+    pushed_.assign(std::min(scene.balls.size(), haptics::most_balls), Vec3::Zero());
   }
 }
 
@@ -283,15 +309,39 @@ void Simulation::record(const ContactEvent& event) {
 }
 
 void Simulation::step_physics() {
+  if (servo_) {
+    // What the pen has pushed since the last step.
+    for (std::size_t k = 0; k < pushed_.size(); ++k) {
+      const Vec3& sum = servo_->report().ball_impulse[k];
+      if (sum != pushed_[k]) world_.push(recording_.balls[k].body, sum - pushed_[k]);
+      pushed_[k] = sum;
+    }
+  }
   physics_cost_.measure([&] { world_.step(); });
   ++physics_done_;
   for (const ContactEvent& event : world_.events()) record(event);
   for (BallTrack& ball : recording_.balls) ball.position.push_back(world_.pose(ball.body).position);
 }
 
+haptics::SceneSnapshot Simulation::scene_snapshot() const {
+  haptics::SceneSnapshot scene;
+  scene.time = world_.time();
+  scene.ball_count = pushed_.size();
+  for (std::size_t k = 0; k < pushed_.size(); ++k) {
+    const BallTrack& ball = recording_.balls[k];
+    scene.balls[k] = {world_.pose(ball.body).position, world_.velocity(ball.body), ball.radius};
+  }
+  return scene;
+}
+
 void Simulation::step_servo() {
   haptics::ServoSample sample;
-  servo_cost_.measure([&] { sample = servo_->tick(*device_); });
+  haptics::SceneSnapshot scene = scene_snapshot();
+  const double time = static_cast<double>(servo_done_) / recording_.servo_rate;
+  // Physics may be slower than the guard's patience with live scenes: here the scene never stalls.
+  for (haptics::SceneBall& ball : scene.balls) ball.position += (time - scene.time) * ball.velocity;
+  scene.time = time;
+  servo_cost_.measure([&] { sample = servo_->tick(*device_, scene, time); });
   device_->advance(1.0 / recording_.servo_rate);
   ++servo_done_;
   recording_.servo.push_back(sample);

@@ -28,6 +28,9 @@ struct SceneSurface {
 };
 Result<SceneSurface> make_surface(const Scene& scene);
 
+// How the scene's pen is felt on a floor of that material. The scene has a pen.
+haptics::ServoOptions pen_options(const Scene& scene, const Material& floor);
+
 // Where everything is, for one picture.
 struct Snapshot {
   double time = 0;
@@ -57,6 +60,7 @@ class Simulation {
   void run_until(Ticks end);
   void step_physics();
   void step_servo();
+  haptics::SceneSnapshot scene_snapshot() const;
   void step_sound();
   void record(const ContactEvent& event);
   Pose pen_pose(const Vec3& tip) const;
@@ -73,6 +77,7 @@ class Simulation {
   std::vector<float> block_;
 
   std::int64_t physics_done_ = 0, servo_done_ = 0, blocks_done_ = 0;
+  std::vector<Vec3> pushed_;  // N s, by the pen on each ball, already handed to the world
   bool pen_touching_ = false;
   CostMeter physics_cost_, servo_cost_, sound_cost_;
   Hash event_hash_;

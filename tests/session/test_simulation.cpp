@@ -77,3 +77,25 @@ TEST_CASE("every representation runs, and the senses get the same texture") {
     CHECK(rms(recording.audio, 0.3, 1.2) > 0);
   }
 }
+
+TEST_CASE("a pen that sweeps into a ball pushes it, feels it, and no momentum is lost") {
+  const Recording recording = run(
+      "duration = 2.5\n[surface]\nrepresentation = \"flat\"\n[[ball]]\nradius = 0.04\nmass = 0.05\nposition = [0.0, "
+      "0.04, 0.0]\n[pen]\ndirection = [0, 1, 0]\npath = [[0, -0.06, 0.03, 0], [1, -0.06, 0.03, 0], [1.8, 0.0, "
+      "0.03, 0], [2.5, 0.0, 0.03, 0]]\n");
+  REQUIRE(recording.balls.size() == 1);
+  CHECK(recording.balls[0].position.back().x() > 0.03);
+  CHECK(std::any_of(recording.servo.begin(), recording.servo.end(),
+                    [](const auto& s) { return s.touching_ball && s.force.x() < -0.02; }));
+  CHECK(recording.momentum_residual < 1e-5);
+}
+
+TEST_CASE("the paper's plane can still be chosen for the pen") {
+  const std::string text =
+      "duration = 1\n[pen]\npath = [[0, 0, 0.01, 0], [0.3, 0, -0.01, 0], [1, 0.05, -0.01, 0.02]]\n";
+  const Recording ours = run(text), plane = run(text + "method = \"plane\"\n");
+  double difference = 0;
+  for (std::size_t k = 0; k < ours.servo.size(); ++k)
+    difference += (ours.servo[k].force - plane.servo[k].force).norm();
+  CHECK(difference > 1);
+}
