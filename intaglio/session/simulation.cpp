@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 
+#include "intaglio/haptics/contact_stiffness.h"
 #include "intaglio/haptics/limits.h"
 #include "intaglio/sound/fem/shapes.h"
 #include "intaglio/sound/level.h"
