@@ -35,9 +35,10 @@ void ServedPhantom::tick(double dt, Time now) {
   state_.velocity = keep * state_.velocity + (1 - keep) * (position - state_.position) / dt;
   state_.position = position;
   state_.contact = asked_.contact(position);
-  const GuardedForce guarded = guard_.pass(asked_.newtons(position, state_.velocity), dt);
+  const Vec3 wanted = asked_.newtons(position, state_.velocity);
+  state_.too_much = wanted.norm() > options_.limits.peak_force;
+  const GuardedForce guarded = guard_.pass(wanted, dt);
   state_.force = guarded.newtons();
-  state_.clamped = (guard_.status() & guard_status::clamped) != 0;
   device_.write(guarded);
   device_.advance(dt);
   // The hand holds the first button for the third quarter of each lap.

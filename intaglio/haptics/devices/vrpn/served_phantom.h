@@ -25,7 +25,7 @@ struct PhantomState {
   Vec3 position = Vec3::Zero();  // m, as the encoders report it
   Vec3 velocity = Vec3::Zero();  // m/s, filtered
   Vec3 force = Vec3::Zero();     // N, on the hand
-  bool clamped = false;          // more was asked for than the device can
+  bool too_much = false;         // more is asked for than the device can
   std::optional<Vec3> contact;   // on the plane touched
   std::array<std::int32_t, 2> buttons = {};
 };

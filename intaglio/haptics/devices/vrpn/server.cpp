@@ -130,7 +130,7 @@ void Server::tick(SteadyTime now) {
   next_tick_ += tick_period;
   if (!phantom_.held()) holder_ = nullptr;
   tell_buttons();
-  tell_clamped();
+  tell_too_much();
 }
 
 void Server::tell_buttons() {
@@ -145,14 +145,14 @@ void Server::tell_buttons() {
   buttons_ = buttons;
 }
 
-void Server::tell_clamped() {
-  const bool clamped = phantom_.state().clamped;
-  if (holder_ && clamped != clamped_) {
+void Server::tell_too_much() {
+  const bool too_much = phantom_.state().too_much;
+  if (holder_ && too_much != too_much_) {
     Bytes payload;
-    encode(payload, clamped ? ForceError::force_too_high : ForceError::ok);
+    encode(payload, too_much ? ForceError::force_too_high : ForceError::ok);
     holder_->connection.send(Type::force_error, device_sender, payload, Channel::reliable);
   }
-  clamped_ = clamped;
+  too_much_ = too_much;
 }
 
 void Server::talk(Peer& peer, SteadyTime now) {

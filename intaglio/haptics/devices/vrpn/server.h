@@ -62,7 +62,7 @@ class Server {
   void finish_dials(SteadyTime now);
   void tick(SteadyTime now);
   void tell_buttons();
-  void tell_clamped();
+  void tell_too_much();
   void talk(Peer& peer, SteadyTime now);
   void report(Peer& peer);
   void send_buttons(Peer& peer);
@@ -78,7 +78,7 @@ class Server {
   std::list<Peer> peers_;
   std::list<Dial> dials_;
   Peer* holder_ = nullptr;  // of the force
-  bool clamped_ = false;    // and has been told so
+  bool too_much_ = false;   // and has been told so
   SteadyTime next_tick_, last_turned_away_;
   std::array<std::int32_t, 2> buttons_ = {};
   std::int64_t dropped_for_bad_frames_ = 0, force_messages_ = 0;
