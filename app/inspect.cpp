@@ -17,6 +17,7 @@ struct Options {
   std::string path, output, html, green, polarity;
   bool json = false, raw = false, clamp = false;
   double depth = -1;
+  int size = surface::ImportOptions().generated_size;
 };
 
 surface::ImportOptions import_options(const Options& options) {
@@ -26,6 +27,7 @@ surface::ImportOptions import_options(const Options& options) {
   if (!options.polarity.empty())
     out.polarity = options.polarity == "height" ? surface::Polarity::height : surface::Polarity::depth;
   if (options.depth >= 0) out.depth_fraction = options.depth;
+  out.generated_size = options.size;
   if (options.raw) out.mode = surface::ImportMode::raw;
   if (options.clamp) out.edge = surface::Edge::clamp;
   return out;
@@ -33,8 +35,11 @@ surface::ImportOptions import_options(const Options& options) {
 
 void add_import_options(CLI::App& verb, Options& options) {
   verb.add_option("TEXTURE", options.path,
-                  "An image (normal, height or RGBA; PNG, JPEG, TGA, EXR) or a folder of them")
+                  "An image (normal, height or RGBA; PNG, JPEG, TGA, EXR), a folder of them, a built-in name "
+                  "(pebbles; docs/materials.md) or a recipe (.toml)")
       ->required();
+  verb.add_option("--size", options.size, "Texels a side, of a texture made from a recipe")
+      ->check(CLI::Range(64, 8192));
   verb.add_option("--green", options.green, "Sign of the green channel, instead of what is detected")
       ->check(CLI::IsMember({"+Y", "-Y"}));
   verb.add_option("--polarity", options.polarity, "What white means, instead of what is detected")

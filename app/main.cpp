@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   app.add_flag("-q,--quiet", common.quiet, "No progress bar, no summary; errors only");
   app.fallthrough();
   intaglio::app::add_render(app, common);
+  intaglio::app::add_devices(app, common);
   intaglio::app::add_import(app, common);
   intaglio::app::add_inspect(app, common);
   intaglio::app::add_replay(app, common);

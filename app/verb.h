@@ -18,6 +18,7 @@ struct Common {
 };
 
 void add_render(CLI::App& app, Common& common);
+void add_devices(CLI::App& app, Common& common);
 void add_import(CLI::App& app, Common& common);
 void add_inspect(CLI::App& app, Common& common);
 void add_replay(CLI::App& app, Common& common);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "intaglio/core/json_text.h"
 #include "intaglio/session/report_style.h"
 #include "intaglio/session/report_text.h"
 #include "intaglio/session/svg_plot.h"
@@ -19,25 +20,9 @@ constexpr const char* page_css =
     ".maps img{width:100%;display:block;border-radius:4px}.maps figure{margin:0}"
     ".bar{fill:#4477aa}.advice{font-size:1.15em}.warning{color:#b3261e}";
 
-// JSON text of a string: quotes, backslashes and control characters escaped.
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"' || c == '\\') {
-      out += '\\';
-      out += c;
-    } else if (static_cast<unsigned char>(c) < 0x20) {
-      out += fmt::format("\\u{:04x}", static_cast<unsigned>(static_cast<unsigned char>(c)));
-    } else {
-      out += c;
-    }
-  }
-  return out + "\"";
-}
-
 std::string list(const std::vector<std::string>& lines) {
   std::vector<std::string> items;
-  for (const std::string& line : lines) items.push_back(quoted(line));
+  for (const std::string& line : lines) items.push_back(json_quoted(line));
   return fmt::format("[{}]", fmt::join(items, ", "));
 }
 
@@ -122,14 +107,14 @@ std::string inspection_json(const Inspection& i) {
   };
   add("width", std::to_string(i.width));
   add("height", std::to_string(i.height));
-  add("normal_file", r.normal_file.empty() ? "null" : quoted(r.normal_file.string()));
-  add("height_file", r.height_file.empty() ? "null" : quoted(r.height_file.string()));
-  add("colour_file", r.colour_file.empty() ? "null" : quoted(r.colour_file.string()));
+  add("normal_file", r.normal_file.empty() ? "null" : json_quoted(r.normal_file.string()));
+  add("height_file", r.height_file.empty() ? "null" : json_quoted(r.height_file.string()));
+  add("colour_file", r.colour_file.empty() ? "null" : json_quoted(r.colour_file.string()));
   add("normal_bits", std::to_string(r.normal_bits));
   add("height_bits", std::to_string(r.height_bits));
-  add("green", i.has_normals ? quoted(green_text(i)) : "null");
+  add("green", i.has_normals ? json_quoted(green_text(i)) : "null");
   add("green_detected", r.detected_green ? "true" : "false");
-  add("polarity", quoted(polarity_text(i)));
+  add("polarity", json_quoted(polarity_text(i)));
   add("rows_differ", r.rows_differed ? "true" : "false");
   add("correlation", fmt::format("{:.6g}", r.correlation));
   add("correlation_u", fmt::format("{:.6g}", r.correlation_u));
@@ -146,8 +131,8 @@ std::string inspection_json(const Inspection& i) {
   add("terrace_slope", fmt::format("{:.6g}", i.terrace_slope));
   add("curl", fmt::format("{:.6g}", r.curl));
   add("clamped_normals", fmt::format("{:.6g}", r.clamped_normals));
-  add("representation", quoted(i.representation));
-  add("reason", quoted(i.reason));
+  add("representation", json_quoted(i.representation));
+  add("reason", json_quoted(i.reason));
   add("notes", list(i.notes));
   out += fmt::format("  \"warnings\": {}\n}}\n", list(i.warnings));
   return out;

@@ -6,8 +6,6 @@
 #include <map>
 #include <numbers>
 
-#include "intaglio/core/file.h"
-#include "intaglio/haptics/contact_stiffness.h"
 #include "intaglio/haptics/limits.h"
 #include "intaglio/sound/fem/shapes.h"
 #include "intaglio/sound/level.h"
@@ -45,42 +43,17 @@ int servo_rate(const Scene& scene) {
 
 }  // namespace
 
-namespace {
-
-constexpr int builtin_texels = 512;
-
-// The recipe that the scene's texture names: built in, or a file of the user's. None: it names images.
-Result<std::optional<surface::BuiltinRecipe>> find_recipe(const std::string& texture) {
-  std::error_code ignored;
-  const std::filesystem::path path(texture);
-  if (path.extension() == ".toml") {
-    const auto bytes = read_file(path, 1u << 20);
-    if (!bytes) return tl::unexpected(bytes.error());
-    auto recipe =
-        surface::parse_builtin({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, texture);
-    if (!recipe) return tl::unexpected(recipe.error());
-    return std::move(*recipe);
-  }
-  if (std::filesystem::exists(path, ignored) || path.has_parent_path() || path.has_extension())
-    return std::nullopt;
-  auto recipe = surface::find_builtin(texture);
-  if (!recipe) return tl::unexpected(recipe.error());
-  return std::move(*recipe);
-}
-
-}  // namespace
-
 Result<SceneSurface> make_surface(const Scene& scene) {
   const SurfaceScene& from = scene.surface;
   SceneSurface out;
   out.material = *find_material("brick");
   surface::Texels texels;
   double depth = 0;
-  auto recipe = find_recipe(from.texture);
+  auto recipe = surface::recipe_named(from.texture);
   if (!recipe) return tl::unexpected(recipe.error());
   if (*recipe) {
     const surface::BuiltinMaterial& about = (*recipe)->about;
-    texels = surface::to_texels(surface::make_texture(**recipe, builtin_texels));
+    texels = surface::to_texels(surface::make_texture(**recipe, surface::builtin_size));
     out.material = about.material;
     out.roughness = about.roughness;
     depth = about.depth_fraction * from.size.x();

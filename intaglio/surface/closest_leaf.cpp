@@ -49,17 +49,15 @@ bool ClosestSearch::has_no_minimum(int column, int row, double left, double low)
 // Fills z_ with the texels of the block whose first cell is (i, j); with those around it where they are asked
 // for.
 void ClosestSearch::load(int i, int j) {
-  const Grid& grid = surface_.grid();
-  const float* depths = surface_.depths().data();
+  const TexelTiles& tiles = surface_.tiles();
   const double scale = -surface_.max_depth();
   const int first = cones_.empty() ? 1 : 0, end = cones_.empty() ? leaf + 2 : leaf + 3;
-  const bool inside = i >= 1 && i + leaf + 1 < grid.width;
+  std::array<std::size_t, leaf + 3> column;
+  for (int c = first; c < end; ++c) column[std::size_t(c)] = tiles.column(i + c - 1);
   for (int r = first; r < end; ++r) {
-    const float* row = depths + grid.row(j + r - 1);
+    const std::size_t row = tiles.row(j + r - 1);
     double* z = z_[std::size_t(r)].data();
-    for (int c = first; c < end; ++c) {
-      z[c] = scale * row[inside ? i + c - 1 : grid.within(i + c - 1, grid.width)] - asking_.z();
-    }
+    for (int c = first; c < end; ++c) z[c] = scale * tiles.depth(row + column[std::size_t(c)]) - asking_.z();
   }
 }
 

@@ -126,12 +126,14 @@ void ClosestSearch::descend(const Entry& top) {
     const std::size_t near = near_children(entry, children);
     // Nearest first: a leaf at once, a block last onto the stack.
     if (entry.level == 0) {
-      for (std::size_t k = 0; k < near; ++k) prefetch_rows(children[k].x, children[k].y);
+      for (std::size_t k = 0; k < near; ++k) prefetch(children[k].x, children[k].y);
       for (std::size_t k = 0; k < near; ++k) {
         if (children[k].bound2 < best2_ && !is_useless(0, children[k].x, children[k].y))
           visit_leaf(children[k].x, children[k].y);
       }
     } else {
+      for (std::size_t k = 0; k < near; ++k)
+        pyramid_.prefetch_quad(entry.level - 1, children[k].x, children[k].y);
       const bool ask_slab = !cones_.empty() && entry.level <= slab_levels;
       for (std::size_t k = near; k-- > 0;) {
         if (!(ask_slab && is_useless(entry.level, children[k].x, children[k].y)))
@@ -141,11 +143,15 @@ void ClosestSearch::descend(const Entry& top) {
   }
 }
 
-// Asks the cache for the texels of a block: at large sizes each row is on a page of its own.
-void ClosestSearch::prefetch_rows(int x, int y) const {
-  const Grid& grid = surface_.grid();
-  const float* depths = surface_.depths().data() + grid.within(pyramid_.first() + x * leaf, grid.width);
-  for (int r = 0; r <= leaf; ++r) __builtin_prefetch(depths + grid.row(pyramid_.first() + y * leaf + r));
+// Asks the cache for the texels of a block.
+void ClosestSearch::prefetch(int x, int y) const {
+  const TexelTiles& tiles = surface_.tiles();
+  const int i = pyramid_.first() + x * leaf, j = pyramid_.first() + y * leaf;
+  const std::size_t left = tiles.column(i), right = tiles.column(i + leaf);
+  for (const std::size_t row : {tiles.row(j), tiles.row(j + leaf)}) {
+    tiles.prefetch_depth(row + left);
+    tiles.prefetch_depth(row + right);
+  }
 }
 
 // The children of a block whose boxes are nearer than the best so far, nearest first. Returns how many.

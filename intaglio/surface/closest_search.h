@@ -58,7 +58,7 @@ class ClosestSearch {
   void search_copy(int shift_i, int shift_j);
   void descend(const Entry& top);
   std::size_t near_children(const Entry& entry, std::array<Entry, 4>& children) const;
-  void prefetch_rows(int x, int y) const;
+  void prefetch(int x, int y) const;
   void visit_leaf(int x, int y);
   void load(int i, int j);
   bool is_useless(int level, int x, int y) const;

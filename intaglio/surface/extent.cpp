@@ -69,12 +69,12 @@ class Search {
   }
 
   double depth(double a, double b) const {
-    const Grid& grid = surface_.grid();
-    const BilinearTaps taps(grid, a, b);
+    const TexelTiles& tiles = surface_.tiles();
+    const BilinearTaps taps(tiles, a, b);
     const std::array<double, 4> w = taps.weights();
-    const std::span<const float> d = surface_.depths();
-    return w[0] * d[taps.index[0]] + w[1] * d[taps.index[1]] + w[2] * d[taps.index[2]] +
-           w[3] * d[taps.index[3]];
+    double sum = 0;
+    for (std::size_t k = 0; k < 4; ++k) sum += w[k] * tiles.depth(taps.index[k]);
+    return sum;
   }
 
   const Surface& surface_;

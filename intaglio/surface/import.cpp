@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "intaglio/surface/builtin/builtin.h"
 #include "intaglio/surface/detect.h"
 #include "intaglio/surface/fuse.h"
 #include "intaglio/surface/image_file.h"
@@ -70,7 +71,7 @@ double step_of(int bits) {
 }
 
 std::string name_of(const fs::path& path) {
-  return path.filename().string();
+  return path.empty() ? "the recipe" : path.filename().string();
 }
 
 // Understands the maps of one texture, step by step.
@@ -248,7 +249,31 @@ class Conversion {
 
 }  // namespace
 
+namespace {
+
+// Made from a recipe: it goes through the same detection as files do, but it is not fused, since its normals
+// are those of its depth.
+Imported generated(const BuiltinRecipe& recipe, ImportOptions options) {
+  const TextureImages images = make_texture(recipe, options.generated_size);
+  Loaded loaded;
+  loaded.report.generated = true;
+  loaded.report.normal_bits = loaded.report.height_bits = loaded.normal.bit_depth = 16;
+  loaded.normal.pixels = unit_range(images.relief);
+  take_alpha_as_height(loaded);
+  if (!options.depth_fraction) options.depth_fraction = recipe.about.depth_fraction;
+  options.mode = ImportMode::raw;
+  Imported imported = Conversion(std::move(loaded), options).run();
+  imported.texels.colour = read_colour(unit_range(images.colour));
+  imported.notes.push_back(fmt::format("made from the recipe of {}", recipe.about.name));
+  return imported;
+}
+
+}  // namespace
+
 Result<Imported> import_texture(const fs::path& path, const ImportOptions& options) {
+  const auto recipe = recipe_named(path.string());
+  if (!recipe) return tl::unexpected(recipe.error());
+  if (*recipe) return generated(**recipe, options);
   std::error_code error;
   const bool single = !fs::is_directory(path, error);
   const auto files = find_texture_files(path);

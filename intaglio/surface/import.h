@@ -31,11 +31,13 @@ struct ImportOptions {
   std::optional<double>
       depth_fraction;  // full depth over the side of the tile; unset: what the normals imply, else 0.02
   ImportMode mode = ImportMode::fused;
-  Edge edge = Edge::wrap;  // whether the tile repeats, for the fusion
+  Edge edge = Edge::wrap;    // whether the tile repeats, for the fusion
+  int generated_size = 512;  // texels a side of a texture that is made from a recipe, 64 to 8192
 };
 
 // What import found out. Correlations are 0 where there was only one map.
 struct ImportReport {
+  bool generated = false;  // from a recipe: no files
   std::filesystem::path normal_file, height_file, colour_file;
   int height_channel = 0;  // 3: the alpha channel of the normal map
   int normal_bits = 0, height_bits = 0;
@@ -62,7 +64,8 @@ struct Imported {
   std::vector<std::string> notes, warnings;  // one line each
 };
 
-// `path` is an image or a folder of images.
+// `path` is an image, a folder of images, or what recipe_named (builtin/builtin.h) knows: the name of a
+// built-in material or a recipe, whose texture is made at `generated_size` and is consistent as it is.
 //   RGBA image       normals in RGB, depth or height in alpha; a colour map beside it is found by its name
 //   RGB image        normals if it looks like normals (a height map beside it is found by its name), else its
 //   brightness is taken as height grey image       height folder           searched for normal, height and

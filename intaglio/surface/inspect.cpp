@@ -66,7 +66,7 @@ void measure_slopes(const Texels& texels, Inspection& out) {
 
 // Counts the levels that the height file uses.
 Result<void> measure_terraces(Inspection& out) {
-  if (out.report.height_file.empty()) return {};
+  if (out.report.height_file.empty()) return {};  // none, or made as finely as its file format holds
   const auto image = read_image(out.report.height_file);
   if (!image) return tl::unexpected(image.error());
   std::set<float> levels;
@@ -123,8 +123,8 @@ Result<Inspection> inspect(const std::filesystem::path& path, const ImportOption
   out.width = texels.width;
   out.height = texels.height;
   out.report = imported->report;
-  out.has_normals = !out.report.normal_file.empty();
-  out.has_height = !out.report.height_file.empty();
+  out.has_normals = out.report.generated || !out.report.normal_file.empty();
+  out.has_height = out.report.generated || !out.report.height_file.empty();
   out.depth_fraction = imported->depth_fraction;
   out.notes = std::move(imported->notes);
   out.warnings = std::move(imported->warnings);

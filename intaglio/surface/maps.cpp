@@ -184,15 +184,10 @@ Slopes central_slopes(const Field& height, double depth_fraction) {
 }
 
 Texels to_texels(const TextureImages& images) {
-  Pixels relief(images.relief.width, images.relief.height, 4);
-  std::transform(images.relief.data.begin(), images.relief.data.end(), relief.data.begin(),
-                 [](std::uint16_t v) { return static_cast<float>(v) / 65535.0f; });
-  Pixels colour(images.colour.width, images.colour.height, 3);
-  std::transform(images.colour.data.begin(), images.colour.data.end(), colour.data.begin(),
-                 [](std::uint8_t v) { return static_cast<float>(v) / 255.0f; });
+  const Pixels relief = unit_range(images.relief);
   const Field depth = read_height(relief, 3);
   return {relief.width, relief.height, depth.value, normals_of(read_slopes(relief, nullptr)),
-          read_colour(colour)};
+          read_colour(unit_range(images.colour))};
 }
 
 }  // namespace intaglio::surface

@@ -1,6 +1,8 @@
 // The pixels of maps, read and turned: from images to fields and back to normals.
 #pragma once
 
+#include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "intaglio/core/image.h"
@@ -11,6 +13,16 @@ namespace intaglio::surface {
 
 // What decoded pixels are kept in: 0..1, but for floating-point files, which may hold anything finite.
 using Pixels = Image<float>;
+
+// Integer samples as decoded pixels.
+template <class T>
+Pixels unit_range(const Image<T>& image) {
+  Pixels out(image.width, image.height, image.channels);
+  std::transform(image.data.begin(), image.data.end(), out.data.begin(), [](T v) {
+    return static_cast<float>(v) / static_cast<float>(std::numeric_limits<T>::max());
+  });
+  return out;
+}
 
 // Normal maps have vectors of nearly unit length that point up.
 bool looks_like_normals(const Pixels& image);

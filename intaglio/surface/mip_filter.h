@@ -1,7 +1,8 @@
 // Interpolation on a grid of texels: bilinear (what the relief is) and Catmull-Rom bicubic (C1, for forces).
 //
-// `fetch(k)` gives the value of the texel stored at k (Grid::index). Derivatives are per texel. No
-// allocation; any thread. Source: Catmull and Rom, "A class of local interpolating splines", 1974.
+// A layout (Grid, TexelTiles) says with row(j) + column(i) where texel (i, j) is stored, and `fetch(k)` gives
+// the value stored at k. Derivatives are per texel. No allocation; any thread. Source: Catmull and Rom, "A
+// class of local interpolating splines", 1974.
 #pragma once
 
 #include <array>
@@ -19,11 +20,11 @@ struct BilinearTaps {
   std::array<std::size_t, 4> index;
   double x, y;  // place between them, 0..1
 
-  BilinearTaps(const Grid& grid, double coordinate_x, double coordinate_y) {
+  template <class Layout>
+  BilinearTaps(const Layout& layout, double coordinate_x, double coordinate_y) {
     const Split sx(coordinate_x), sy(coordinate_y);
-    const auto left = static_cast<std::size_t>(grid.within(sx.index, grid.width));
-    const auto right = static_cast<std::size_t>(grid.within(sx.index + 1, grid.width));
-    const std::size_t low = grid.row(sy.index), high = grid.row(sy.index + 1);
+    const std::size_t left = layout.column(sx.index), right = layout.column(sx.index + 1);
+    const std::size_t low = layout.row(sy.index), high = layout.row(sy.index + 1);
     index = {low + left, low + right, high + left, high + right};
     x = sx.fraction;
     y = sy.fraction;
@@ -50,16 +51,15 @@ struct CatmullRom {
   }
 };
 
-template <class Fetch>
-Interpolated bicubic(const Grid& grid, double coordinate_x, double coordinate_y, const Fetch& fetch) {
+template <class Layout, class Fetch>
+Interpolated bicubic(const Layout& layout, double coordinate_x, double coordinate_y, const Fetch& fetch) {
   const Split sx(coordinate_x), sy(coordinate_y);
   const CatmullRom cx(sx.fraction), cy(sy.fraction);
   std::array<std::size_t, 4> column;
-  for (int k = 0; k < 4; ++k)
-    column[static_cast<std::size_t>(k)] = static_cast<std::size_t>(grid.within(sx.index - 1 + k, grid.width));
+  for (int k = 0; k < 4; ++k) column[static_cast<std::size_t>(k)] = layout.column(sx.index - 1 + k);
   Interpolated sum{0, 0, 0};
   for (std::size_t r = 0; r < 4; ++r) {
-    const std::size_t row = grid.row(sy.index - 1 + static_cast<int>(r));
+    const std::size_t row = layout.row(sy.index - 1 + static_cast<int>(r));
     double value = 0, slope = 0;
     for (std::size_t k = 0; k < 4; ++k) {
       const double texel = fetch(row + column[k]);

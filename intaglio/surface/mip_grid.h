@@ -18,7 +18,8 @@ struct Grid {
 
   std::size_t size() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
   // Where texel (i, j) is stored; i, j any integer.
-  std::size_t index(int i, int j) const { return row(j) + static_cast<std::size_t>(within(i, width)); }
+  std::size_t index(int i, int j) const { return row(j) + column(i); }
+  std::size_t column(int i) const { return static_cast<std::size_t>(within(i, width)); }
   std::size_t row(int j) const {
     return static_cast<std::size_t>(within(j, height)) * static_cast<std::size_t>(width);
   }

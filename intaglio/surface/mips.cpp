@@ -70,13 +70,6 @@ Vec2 slope_of(const Vec3& normal) {
   return -normal.head<2>() / std::max(normal.z(), std::max(across / steepest_slope, 1e-9));
 }
 
-PackedNormal PackedNormal::pack(const Vec3& normal) {
-  const auto packed = [](double n) {
-    return static_cast<std::int16_t>(std::lround(std::clamp(n, -1.0, 1.0) * 32767));
-  };
-  return {packed(normal.x()), packed(normal.y())};
-}
-
 Mips::Mips(const Grid& grid, std::span<const float> depth, std::span<const PackedNormal> normal) {
   for (const PackedNormal& n : normal) scale_ = std::max(scale_, slope_of(n.unit()).norm());
   const auto finest = [&](std::size_t k) {

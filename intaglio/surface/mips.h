@@ -13,8 +13,10 @@
 #include <span>
 #include <vector>
 
+#include "intaglio/core/huge_pages.h"
 #include "intaglio/core/vec.h"
 #include "intaglio/surface/mip_grid.h"
+#include "intaglio/surface/packed_normal.h"
 
 namespace intaglio::surface {
 
@@ -23,18 +25,6 @@ inline constexpr double steepest_slope = 20;
 
 // Slope of a unit normal, limited to steepest_slope.
 Vec2 slope_of(const Vec3& normal);
-
-// A unit normal, n_z >= 0, in 4 bytes.
-struct PackedNormal {
-  std::int16_t x, y;  // times 32767
-
-  static PackedNormal pack(const Vec3& normal);
-  Vec3 unit() const {
-    const double nx = x / 32767.0;
-    const double ny = y / 32767.0;
-    return {nx, ny, std::sqrt(std::max(0.0, 1.0 - nx * nx - ny * ny))};
-  }
-};
 
 class Mips {
  public:
@@ -86,7 +76,7 @@ class Mips {
 
   double scale_ = 0;  // steepest slope of level 0
   std::vector<Level> levels_;
-  std::vector<Texel> texels_;
+  LargeArray<Texel> texels_;
 };
 
 }  // namespace intaglio::surface

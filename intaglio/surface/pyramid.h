@@ -23,6 +23,7 @@
 #include <span>
 #include <vector>
 
+#include "intaglio/core/huge_pages.h"
 #include "intaglio/surface/mip_grid.h"
 
 namespace intaglio::surface {
@@ -89,6 +90,14 @@ class Pyramid {
     }
     return out;
   }
+  // Asks the cache for what quad() will read.
+  void prefetch_quad(int level, int x, int y) const {
+    const std::size_t at = block(level, 2 * x, 2 * y);
+    if (level > 0)
+      __builtin_prefetch(&quads_[at / 4 - level_1_]);
+    else
+      __builtin_prefetch(&slabs_[at]);
+  }
   Range whole() const { return whole_; }
   // Cells a side of a block of `level`.
   static int side(int level) { return leaf << level; }
@@ -134,8 +143,8 @@ class Pyramid {
   Range whole_{0, 0};
   std::size_t level_1_ = 0;  // quads of level 0, which have no ranges
   std::vector<Level> levels_;
-  std::vector<Quad> quads_;
-  std::vector<PackedSlab> slabs_;
+  LargeArray<Quad> quads_;
+  LargeArray<PackedSlab> slabs_;
 };
 
 }  // namespace intaglio::surface

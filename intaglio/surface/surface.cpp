@@ -12,44 +12,48 @@ Surface::Surface(Texels texels, const Placement& placement, double max_depth, Ed
     : placement_(placement),
       grid_{texels.width, texels.height, edge},
       max_depth_(max_depth),
-      depth_(std::move(texels.depth)),
+      has_depth_(!texels.depth.empty()),
       colour_(std::move(texels.colour)) {
   assert(texels.width > 0 && texels.height > 0 && max_depth >= 0);
   assert(texels.normal.size() == grid_.size());
-  assert(depth_.empty() || depth_.size() == grid_.size());
+  assert(!has_depth_ || texels.depth.size() == grid_.size());
   per_texel_ = 1 / std::sqrt(texel_u() * texel_v());
-  normal_.reserve(texels.normal.size());
-  for (const Vec3& n : texels.normal) normal_.push_back(PackedNormal::pack(n));
+  std::vector<PackedNormal> normal;
+  normal.reserve(texels.normal.size());
+  for (const Vec3& n : texels.normal) normal.push_back(PackedNormal::pack(n));
   std::vector<Vec3>().swap(texels.normal);  // six times the packed ones: gone before the levels are built
-  pyramid_ = Pyramid(depth_, grid_);
-  mips_ = Mips(grid_, depth_, normal_);
+  tiles_ = TexelTiles(grid_, texels.depth, normal);
+  pyramid_ = Pyramid(texels.depth, grid_);
+  mips_ = Mips(grid_, texels.depth, normal);
 }
 
 std::size_t Surface::memory_bytes() const {
-  return sizeof *this + depth_.size() * sizeof(float) + normal_.size() * sizeof(PackedNormal) +
-         pyramid_.memory_bytes() + mips_.memory_bytes() + colour_.data.size();
+  return sizeof *this + tiles_.memory_bytes() + pyramid_.memory_bytes() + mips_.memory_bytes() +
+         colour_.data.size();
 }
 
 BilinearTaps Surface::taps(const Vec2& uv) const {
-  return {grid_, uv.x() * width() - 0.5, uv.y() * height() - 0.5};
+  return {tiles_, uv.x() * width() - 0.5, uv.y() * height() - 0.5};
 }
 
 double Surface::depth_at(const BilinearTaps& at) const {
   if (!has_depth()) return 0;
-  const auto depth = [&](std::size_t k) { return max_depth_ * static_cast<double>(depth_[at.index[k]]); };
+  const auto depth = [&](std::size_t k) {
+    return max_depth_ * static_cast<double>(tiles_.depth(at.index[k]));
+  };
   const double low = depth(0) * (1 - at.x) + depth(1) * at.x, high = depth(2) * (1 - at.x) + depth(3) * at.x;
   return low * (1 - at.y) + high * at.y;
 }
 
 Vec3 Surface::normal_at(const BilinearTaps& at) const {
-  const auto unit = [&](std::size_t k) { return normal_[at.index[k]].unit(); };
+  const auto unit = [&](std::size_t k) { return tiles_.normal(at.index[k]).unit(); };
   const Vec3 low = unit(0) * (1 - at.x) + unit(1) * at.x, high = unit(2) * (1 - at.x) + unit(3) * at.x;
   return (low * (1 - at.y) + high * at.y).normalized();
 }
 
 Vec2 Surface::gradient_at(const BilinearTaps& at) const {
   if (!has_depth()) return Vec2::Zero();
-  const Interpolated depth = at([&](std::size_t k) { return static_cast<double>(depth_[k]); });
+  const Interpolated depth = at([&](std::size_t k) { return static_cast<double>(tiles_.depth(k)); });
   return {-max_depth_ * depth.d_x * grid_.width / placement_.size_u(),
           -max_depth_ * depth.d_y * grid_.height / placement_.size_v()};
 }
@@ -116,7 +120,7 @@ Smooth Surface::smooth_level(int level, const Vec2& uv) const {
   const Grid& grid = level == 0 ? grid_ : mips_.grid(level);
   const double x = uv.x() * grid.width - 0.5, y = uv.y() * grid.height - 0.5;
   const Interpolated depth =
-      level == 0 ? bicubic(grid, x, y, [&](std::size_t k) { return static_cast<double>(depth_[k]); })
+      level == 0 ? bicubic(tiles_, x, y, [&](std::size_t k) { return static_cast<double>(tiles_.depth(k)); })
                  : bicubic(grid, x, y, [&](std::size_t k) { return mips_.depth(level, k); });
   return {-max_depth_ * depth.value,
           {-max_depth_ * depth.d_x * grid.width / placement_.size_u(),
@@ -137,9 +141,19 @@ std::pair<int, int> Surface::cell_at(double x, double y) const {
   return {Split(x / texel_u() - 0.5).index, Split(y / texel_v() - 0.5).index};
 }
 
+std::vector<float> Surface::depth_texture() const {
+  std::vector<float> out;
+  if (!has_depth_) return out;
+  out.reserve(grid_.size());
+  for (int j = 0; j < height(); ++j) {
+    for (int i = 0; i < width(); ++i) out.push_back(tiles_.depth(tiles_.index(i, j)));
+  }
+  return out;
+}
+
 std::vector<float> Surface::normal_texture() const {
   std::vector<float> out;
-  out.reserve(normal_.size() * 3);
+  out.reserve(grid_.size() * 3);
   for (int j = 0; j < height(); ++j) {
     for (int i = 0; i < width(); ++i) {
       const Vec3 n = unpacked(i, j);

@@ -26,6 +26,7 @@
 #include "intaglio/surface/mips.h"
 #include "intaglio/surface/placement.h"
 #include "intaglio/surface/pyramid.h"
+#include "intaglio/surface/texel_tiles.h"
 
 namespace intaglio::surface {
 
@@ -84,9 +85,9 @@ class Surface {
   const Placement& placement() const { return placement_; }
   int width() const { return grid_.width; }
   int height() const { return grid_.height; }
-  bool has_depth() const { return !depth_.empty(); }
+  bool has_depth() const { return has_depth_; }
   // Whether the relief is the plane z = 0.
-  bool is_flat() const { return depth_.empty() || max_depth_ == 0; }
+  bool is_flat() const { return !has_depth_ || max_depth_ == 0; }
   double max_depth() const { return max_depth_; }
   Edge edge() const { return grid_.edge; }
   // Distance between texels, metres.
@@ -117,7 +118,7 @@ class Surface {
 
   // Height z = -depth of texel (i, j), metres; i, j any integer (wrapped or clamped).
   double texel_z(int i, int j) const {
-    return has_depth() ? -max_depth_ * static_cast<double>(depth_[grid_.index(i, j)]) : 0.0;
+    return -max_depth_ * static_cast<double>(tiles_.depth(tiles_.index(i, j)));
   }
   // Cell whose lower corner is texel (i, j).
   Cell cell(int i, int j) const;
@@ -127,16 +128,16 @@ class Surface {
   const Grid& grid() const { return grid_; }
   const Pyramid& pyramid() const { return pyramid_; }
   const Mips& mips() const { return mips_; }
-  // Depth fractions of the texels, row-major; empty where there is no depth map.
-  std::span<const float> depths() const { return depth_; }
+  const TexelTiles& tiles() const { return tiles_; }
 
   // What the shader mirrors: depth fractions (1 channel) and tangent normals (3 channels), row 0 = v 0.
-  std::vector<float> depth_texture() const { return depth_; }
+  // Empty where there is no depth map.
+  std::vector<float> depth_texture() const;
   std::vector<float> normal_texture() const;
   const Image8& colour() const { return colour_; }
 
  private:
-  Vec3 unpacked(int i, int j) const { return normal_[grid_.index(i, j)].unit(); }
+  Vec3 unpacked(int i, int j) const { return tiles_.normal(tiles_.index(i, j)).unit(); }
   BilinearTaps taps(const Vec2& uv) const;
   double depth_at(const BilinearTaps& at) const;
   Vec3 normal_at(const BilinearTaps& at) const;
@@ -154,8 +155,8 @@ class Surface {
   Grid grid_;
   double per_texel_ = 0;  // 1 / (distance between texels), the geometric mean of both axes
   double max_depth_;
-  std::vector<float> depth_;
-  std::vector<PackedNormal> normal_;
+  bool has_depth_;
+  TexelTiles tiles_;
   Pyramid pyramid_;
   Mips mips_;
   Image8 colour_;

@@ -269,3 +269,20 @@ TEST_CASE("real textures import") {
     CHECK_MESSAGE(imported->texels.colour.width > 1, name);
   }
 }
+
+TEST_CASE("a built-in name is imported like files are: conventions found in its own pixels") {
+  ImportOptions options;
+  options.generated_size = 128;
+  const auto imported = import_texture("stone_flags", options);
+  REQUIRE(imported);
+  CHECK(imported->texels.width == 128);
+  CHECK(imported->report.generated);
+  CHECK(imported->report.detected_green == Green::plus_y);
+  CHECK(imported->report.detected_polarity == Polarity::depth);
+  CHECK(imported->report.correlation > 0.9);
+  // The depth that its normals imply is the recipe's.
+  CHECK(imported->report.implied_depth == doctest::Approx(imported->depth_fraction).epsilon(0.1));
+  const auto unknown = import_texture("stone_flag", {});
+  REQUIRE_FALSE(unknown);
+  CHECK(unknown.error().message().find("stone_flags") != std::string::npos);
+}

@@ -17,11 +17,12 @@ struct Means {
 
 // Over level 0, from what the surface says of its texels.
 Means means_of_texels(const Surface& s) {
+  const std::vector<float> depths = s.depth_texture();
   Means sum;
   for (int j = 0; j < s.height(); ++j) {
     for (int i = 0; i < s.width(); ++i) {
       const Vec2 slope = slope_of(s.texel_normal({(i + 0.5) / s.width(), (j + 0.5) / s.height()}));
-      sum.depth += s.depths()[s.grid().index(i, j)];
+      sum.depth += depths[s.grid().index(i, j)];
       sum.slope += slope;
       sum.second += slope.squaredNorm();
     }
@@ -78,7 +79,8 @@ TEST_CASE("levels halve, rounding up, down to a single texel") {
 TEST_CASE("a texel is the area-weighted mean of what it covers, at odd sizes too") {
   const auto s = tests::rough_surface(5, 4, Edge::wrap, 1.0);
   // 5 texels to 3: the middle one covers 1/3 of texel 1, all of 2, 1/3 of 3... in units of 5/3 texels.
-  const auto d = [&](int i, int j) { return static_cast<double>(s->depths()[s->grid().index(i, j)]); };
+  const std::vector<float> depths = s->depth_texture();
+  const auto d = [&](int i, int j) { return static_cast<double>(depths[s->grid().index(i, j)]); };
   const double low = (d(1, 0) / 3 + d(2, 0) + d(3, 0) / 3) / (5.0 / 3),
                high = (d(1, 1) / 3 + d(2, 1) + d(3, 1) / 3) / (5.0 / 3);
   CHECK(std::abs(s->mips().texel(1, 1, 0).depth - 0.5 * (low + high)) < 1e-5);

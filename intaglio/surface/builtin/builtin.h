@@ -9,6 +9,7 @@
 // Thread: any. Cost: 0.1 to 0.3 s for 512 x 512 texels on one core, in proportion to the texels above that.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,6 +28,13 @@ Result<BuiltinRecipe> find_builtin(std::string_view name);
 
 // A recipe from TOML text; errors begin with `file_name` and the line. The material is named after the file.
 Result<BuiltinRecipe> parse_builtin(std::string_view text, const std::string& file_name);
+
+// The recipe that a texture's name asks for: a user's own file (.toml), or a built-in name. None where it names
+// an image or a folder; an error that suggests a name where it is none of these.
+Result<std::optional<BuiltinRecipe>> recipe_named(const std::string& texture);
+
+// Texels a side, unless asked otherwise.
+inline constexpr int builtin_size = 512;
 
 // The images of a recipe: `size` texels a side, 64 to 8192. The slopes of the normals are those of the
 // recipe's depth_fraction.

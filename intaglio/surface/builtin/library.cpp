@@ -1,6 +1,8 @@
 // The recipes that the program holds, as materials/*.toml.
 #include <algorithm>
+#include <filesystem>
 
+#include "intaglio/core/file.h"
 #include "intaglio/surface/builtin/builtin.h"
 #include "intaglio_materials.h"
 
@@ -41,6 +43,19 @@ Result<BuiltinRecipe> find_builtin(std::string_view name) {
   return fail("", fmt::format("no built-in material is called \"{}\"", wanted),
               fmt::format("{}known: {}", nearest.empty() ? "" : "did you mean \"" + nearest + "\"? ",
                           fmt::join(names, ", ")));
+}
+
+Result<std::optional<BuiltinRecipe>> recipe_named(const std::string& texture) {
+  std::error_code ignored;
+  const std::filesystem::path path(texture);
+  if (path.extension() == ".toml") {
+    const auto bytes = read_file(path, 1u << 20);
+    if (!bytes) return tl::unexpected(bytes.error());
+    return parse_builtin({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, texture);
+  }
+  if (std::filesystem::exists(path, ignored) || path.has_parent_path() || path.has_extension())
+    return std::nullopt;
+  return find_builtin(texture);
 }
 
 }  // namespace intaglio::surface

@@ -1,0 +1,93 @@
+// Any bytes as what a VRPN peer sends: cookie, then frames, and as a datagram. What is believed is within its
+// limits and encodes to the bytes it came from; a plane that is believed gives a finite force.
+#include <algorithm>
+#include <cstdint>
+#include <cstdlib>
+
+#include "intaglio/haptics/devices/vrpn/address.h"
+#include "intaglio/haptics/devices/vrpn/asked_force.h"
+#include "intaglio/haptics/devices/vrpn/cookie.h"
+#include "intaglio/haptics/devices/vrpn/framer.h"
+#include "tests/haptics/vrpn_reencode.h"
+
+using namespace intaglio;
+using namespace intaglio::haptics::vrpn;
+
+static void require(bool holds) {
+  if (!holds) std::abort();
+}
+
+static bool same(View a, View b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end());
+}
+
+static void learn(const Message& message, PeerNames& names) {
+  const auto name = decode_name(message.payload);
+  if (!name) return;
+  require(!name->empty() && name->size() < name_limit);
+  if (message.type == sender_description) names.learn_sender(message.sender, *name);
+  if (message.type == type_description) names.learn_type(message.sender, *name);
+}
+
+static void feel(Type type, View payload) {
+  AskedForce asked({1000, 1000});
+  if (type == Type::plane)
+    if (const auto plane = decode_plane(payload)) asked.set(*plane);
+  if (type == Type::force_field)
+    if (const auto field = decode_force_field(payload)) asked.set(*field);
+  const Vec3 x(0.01, -0.02, 0.03);
+  require(asked.newtons(x, {0.1, 0.2, -0.3}).allFinite());
+  if (const auto contact = asked.contact(x)) require(contact->allFinite());
+}
+
+static void examine(const Message& message, PeerNames& names) {
+  require(message.payload.size() <= message_limit - header_size);
+  if (message.type < 0) {
+    learn(message, names);
+    sound_log_description(message.payload);
+    const auto again = reencode_system(message.type, message.payload);
+    if (again) require(same(*again, message.payload));
+    return;
+  }
+  names.sender(message.sender);
+  const auto type = names.type(message.type);
+  // Known by name, or by number: the fuzzer need not find a description first.
+  const Type taken = type.value_or(static_cast<Type>(message.type % static_cast<int>(type_names.size())));
+  const auto again = reencode(taken, message.payload);
+  // The bytes after a sensor, and after a text's end, have no meaning.
+  const bool loose = taken == Type::pos_quat || taken == Type::velocity || taken == Type::acceleration;
+  if (again && taken != Type::text) {
+    require(again->size() == message.payload.size());
+    if (!loose) require(same(*again, message.payload));
+  }
+  feel(taken, message.payload);
+}
+
+static void examine_stream(View bytes) {
+  Framer framer;
+  PeerNames names;
+  // As the network cuts it: in pieces of uneven size.
+  for (std::size_t at = 0, piece = 1; at < bytes.size(); piece = piece * 7 % 1459 + 1) {
+    const View cut = bytes.subspan(at, std::min(piece, bytes.size() - at));
+    framer.feed(cut);
+    at += cut.size();
+    while (const auto message = framer.next()) examine(*message, names);
+    require(framer.waiting() < message_limit + 1459);
+  }
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const View bytes(data, size);
+  if (size >= cookie_size && read_cookie(bytes.first(cookie_size)).match != CookieMatch::not_vrpn)
+    examine_stream(bytes.subspan(cookie_size));
+  else
+    examine_stream(bytes);
+  if (const auto request = decode_dial_request(bytes)) {
+    require(sound_port(request->port) && !request->host.empty());
+    require(request->host.find_first_not_of(
+                "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.") == std::string::npos);
+  }
+  if (const auto address = parse_address(text_of(bytes)))
+    require(!address->host.empty() && !address->name.empty());
+  return 0;
+}

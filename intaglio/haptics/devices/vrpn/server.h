@@ -1,0 +1,87 @@
+// A VRPN server that shows one simulated PHANToM: a sender that is tracker, buttons and force device.
+//
+// Takes calls by TCP and dials back by UDP request, on one port; reports to each client at its own rate; lets
+// one client at a time hold the force. step() never blocks and is called about once a millisecond, by run()
+// or by its owner; one thread. At most `max_clients` at once, the rest are turned away and the log says so.
+// Binds to this machine alone unless told otherwise: VRPN knows no passwords.
+#pragma once
+
+#include <list>
+
+#include "intaglio/haptics/devices/vrpn/connection.h"
+#include "intaglio/haptics/devices/vrpn/served_phantom.h"
+
+namespace intaglio::haptics::vrpn {
+
+struct ServerOptions {
+  std::string name = "Phantom0";
+  std::string bind = "127.0.0.1";
+  int port = default_port;    // 0: any free one
+  double report_rate = 1000;  // Hz, until a client asks for another
+  std::size_t max_clients = 16;
+  PhantomOptions phantom;
+  std::chrono::milliseconds cookie_patience{3000}, message_patience{5000};
+  std::function<void(const std::string&)> log = [](const std::string&) {};  // one line each
+};
+
+class Server {
+ public:
+  static Linked<std::unique_ptr<Server>> open(const ServerOptions& options);
+
+  // What is due: calls, messages, ticks of the phantom (1 kHz), reports.
+  void step(SteadyTime now);
+  // Steps every millisecond until `stopped`.
+  void run(const std::atomic<bool>& stopped);
+
+  int port() const { return port_; }
+  const PhantomState& phantom() const { return phantom_.state(); }
+  std::size_t clients() const { return peers_.size(); }
+  std::int64_t dropped_for_bad_frames() const { return dropped_for_bad_frames_; }
+  std::int64_t force_messages() const { return force_messages_; }
+
+ private:
+  struct Peer {
+    Connection connection;
+    std::string name;  // address, for the log
+    SteadyTime next_report;
+    std::chrono::nanoseconds report_period;
+    bool welcomed = false, told_busy = false;
+  };
+  struct Dial {
+    Socket socket;
+    Ipv4 peer;
+    SteadyTime since;
+  };
+
+  Server(const ServerOptions& options, Socket tcp, Socket udp, SteadyTime now);
+  void admit(Socket socket, const Ipv4& peer, bool udp, SteadyTime now);
+  bool full() const { return peers_.size() + dials_.size() >= options_.max_clients; }
+  void take_calls(SteadyTime now);
+  void take_requests(SteadyTime now);
+  void dial(const Ipv4& to, SteadyTime now);
+  void finish_dials(SteadyTime now);
+  void tick(SteadyTime now);
+  void tell_buttons();
+  void tell_clamped();
+  void talk(Peer& peer, SteadyTime now);
+  void report(Peer& peer);
+  void send_buttons(Peer& peer);
+  bool hear(Peer& peer, const Received& received, SteadyTime now);
+  template <class Asked>
+  bool ask(Peer& peer, const std::optional<Asked>& asked, SteadyTime now);
+  void bury();
+
+  ServerOptions options_;
+  Socket tcp_, udp_;
+  int port_ = 0;
+  ServedPhantom phantom_;
+  std::list<Peer> peers_;
+  std::list<Dial> dials_;
+  Peer* holder_ = nullptr;  // of the force
+  bool clamped_ = false;    // and has been told so
+  SteadyTime next_tick_, last_turned_away_;
+  std::array<std::int32_t, 2> buttons_ = {};
+  std::int64_t dropped_for_bad_frames_ = 0, force_messages_ = 0;
+};
+
+}  // namespace intaglio::haptics::vrpn

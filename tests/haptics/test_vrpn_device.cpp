@@ -1,0 +1,144 @@
+// The device at the far end of a link, as the servo loop meets it: our client, our server, real sockets
+// between.
+#include <doctest/doctest.h>
+
+#include "intaglio/haptics/devices/vrpn/vrpn_device.h"
+#include "tests/count_allocations.h"
+#include "tests/haptics/vrpn_peers.h"
+
+using namespace intaglio;
+using namespace intaglio::haptics;
+using namespace intaglio::haptics::vrpn;
+
+namespace {
+
+// A hand that holds still, here.
+ServerOptions still_hand(const Vec3& position = {0.01, -0.002, 0.005}) {
+  ServerOptions options;
+  options.phantom.path = {{0, position}};
+  return options;
+}
+
+// Newtons that the served phantom displays.
+Vec3 displayed(RunningServer& server) {
+  return server.ask([](Server& s) { return s.phantom().force; });
+}
+
+}  // namespace
+
+TEST_CASE("what is asked for comes to what the formulas say") {
+  AskedForce asked({1000, 1000});
+  CHECK_FALSE(asked.any());
+  const Vec3 x(0.01, -0.002, 0.03), v(0.1, -0.05, 0.2);
+  // A plane y = 0 with a normal of length 2: 0.8 N/mm over 2 mm, 0.001 N s/mm at 0.05 m/s.
+  asked.set(PlaneMessage{.a = 0, .b = 2, .c = 0, .d = 0, .kspring = 0.8f, .kdamp = 0.001f});
+  CHECK(asked.any());
+  CHECK((asked.newtons(x, v) - Vec3(0, 1.6 + 0.05, 0)).norm() < 1e-6);
+  CHECK((asked.contact(x).value() - Vec3(0.01, 0, 0.03)).norm() < 1e-12);
+  CHECK(asked.newtons(-x, v).norm() == 0);
+  CHECK_FALSE(asked.contact(-x));
+  // A second plane adds; switched off it does not.
+  asked.set(PlaneMessage{.a = -1, .d = 0, .kspring = 0.1f, .kdamp = 0, .index = 2});
+  CHECK((asked.newtons(x, v) - Vec3(-1, 1.65, 0)).norm() < 1e-6);
+  asked.set(PlaneMessage{.index = 2});
+  CHECK((asked.newtons(x, v) - Vec3(0, 1.65, 0)).norm() < 1e-6);
+  // It pushes and never pulls.
+  asked.set(PlaneMessage{.a = 0, .b = 1, .kspring = 0.8f, .kdamp = 1});
+  CHECK(asked.newtons(x, {0, 5, 0}).norm() == 0);
+  asked.clear();
+  CHECK_FALSE(asked.any());
+  ForceField field;
+  field.origin = {0.01f, 0, 0};
+  field.force = {1, 0, 0};
+  field.jacobian(1, 1) = -100;
+  field.radius = 0.05f;
+  asked.set(field);
+  CHECK((asked.newtons(x, v) - Vec3(1, 0.2, 0)).norm() < 1e-5);
+  CHECK(asked.newtons({0.01, 0.2, 0}, v).norm() == 0);
+  asked.set(ForceField{});
+  CHECK_FALSE(asked.any());
+  asked.set(ForceReport{{0, 0, 2}});
+  CHECK(asked.newtons(x, v) == Vec3(0, 0, 2));
+  asked.set(ForceReport{});
+  CHECK_FALSE(asked.any());
+}
+
+TEST_CASE("by field, plane or force and by both transports, the far hand feels the force that was written") {
+  for (const bool tcp_only : {false, true}) {
+    for (const ForceBy by : {ForceBy::field, ForceBy::plane, ForceBy::force}) {
+      CAPTURE(tcp_only);
+      CAPTURE(static_cast<int>(by));
+      RunningServer server(still_hand());
+      VrpnDeviceOptions options;
+      options.force_by = by;
+      VrpnDevice device(server.address(tcp_only), options);
+      REQUIRE(device.wait_for_link(test_patience));
+      CHECK((device.read() - Vec3(0.01, -0.002, 0.005)).norm() < 1e-3);
+      Guard guard{{}};
+      const Vec3 wanted(0.3, 0.9, 0);
+      // Still: with a hand that is pushed along, the plane's damping would count.
+      CHECK(eventually([&] {
+        const Vec3 position = device.read();
+        device.write(guard.pass(position.allFinite() ? wanted : Vec3::Zero(), 0.001));
+        return (displayed(server) - wanted).norm() < 0.02;
+      }));
+      CHECK(eventually([&] {
+        device.write(guard.pass(Vec3::Zero(), 0.001));
+        return displayed(server).norm() == 0;
+      }));
+    }
+  }
+}
+
+TEST_CASE("buttons arrive, of the states at first and of each change") {
+  ServerOptions options;
+  RunningServer server(options);
+  VrpnDevice device(server.address(false));
+  REQUIRE(device.wait_for_link(test_patience));
+  CHECK(device.buttons() == 0);
+  // The served hand presses its first button in the third second of four.
+  CHECK(eventually([&] { return device.buttons() == 1; }));
+  CHECK(eventually([&] { return device.buttons() == 0; }));
+}
+
+TEST_CASE("reading and writing neither allocate nor wait, with a link and without") {
+  RunningServer server;
+  VrpnDevice linked(server.address(true)), alone({"Phantom0", "127.0.0.1", 1, true});
+  REQUIRE(linked.wait_for_link(test_patience));
+  Guard guard{{}};
+  // Allocations of the other threads count too. Every tick does the same, so that those which saw none at all tell.
+  std::size_t quiet = 0;
+  for (int k = 0; k < 20000; ++k) {
+    const std::size_t before = allocations();
+    for (VrpnDevice* device : {&linked, &alone}) {
+      device->read();
+      device->orientation();
+      device->silent_for();
+      device->write(guard.pass({0, 1, 0}, 0.001));
+    }
+    quiet += allocations() == before;
+  }
+  CHECK(quiet > 1000);
+  CHECK_FALSE(alone.read().allFinite());
+  CHECK(alone.silent_for() > 1e9);
+  CHECK(eventually([&] { return alone.last_failure().fault == LinkFault::refused; }));
+}
+
+TEST_CASE("a link that was lost comes back by itself") {
+  auto server = std::make_unique<RunningServer>();
+  ServerOptions again;
+  const int port = server->port;
+  VrpnDevice device(server->address(true));
+  REQUIRE(device.wait_for_link(test_patience));
+  server.reset();
+  CHECK(eventually([&] { return !device.read().allFinite(); }));
+  again.port = port;
+  auto second = Server::open(again);
+  REQUIRE(second);
+  std::atomic<bool> stopped{false};
+  std::thread thread([&] { (*second)->run(stopped); });
+  CHECK(device.wait_for_link(test_patience));
+  CHECK(device.read().allFinite());
+  stopped = true;
+  thread.join();
+}
