@@ -69,8 +69,10 @@ void Guard::limit(Channel& channel, const Vec3& wanted, double dt) {
   const double lasting2 = std::min(channel.continuous * channel.continuous, peak2);
   const double allowed = std::sqrt(lasting2 + (peak2 - lasting2) * std::clamp(1 - channel.heat, 0.0, 1.0));
   const Vec3 shorter = shortened(wanted, allowed);
-  if (shorter != wanted)
-    status_ |= allowed < 0.999 * channel.peak ? guard_status::warm : guard_status::clamped;
+  if (shorter != wanted) {
+    status_ |= guard_status::clamped;
+    if (allowed < 0.999 * channel.peak) status_ |= guard_status::warm;
+  }
   const Vec3 change = shorter - channel.last;
   const Vec3 step = shortened(change, channel.slew_rate * std::min(dt, longest_slew));
   if (step != change) status_ |= guard_status::slewed;
