@@ -10,8 +10,6 @@
 // 32 ticks; `single` times each tick by itself, with the clock's own cost taken off. The energy table is work
 // on the hand over 400 closed loops, K = 800 N/m, on a brick of 10 cm (tests/haptics/closed_loops.h).
 #include <fmt/format.h>
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -20,24 +18,19 @@
 #include <string>
 #include <vector>
 
+#include "bench/brick.h"
 #include "bench/triangle_proxy.h"
 #include "intaglio/core/random.h"
 #include "intaglio/haptics/servo.h"
-#include "intaglio/surface/import.h"
 #include "tests/haptics/closed_loops.h"
 
 using namespace intaglio;
 using namespace intaglio::haptics;
+using bench::cpu_seconds;
 
 namespace {
 
 volatile double sink = 0;
-
-double cpu_seconds() {
-  timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 struct Row {
   int size;
@@ -70,24 +63,7 @@ Row timed(int size, const std::string& what, int ticks, int batch, const std::fu
 }
 
 std::shared_ptr<const surface::Surface> brick(int size, double side) {
-  const surface::Placement placement(Vec3::Zero(), Quat::Identity(), side, side);
-  surface::BrickRecipe recipe;
-  recipe.size = std::min(size, 1024);
-  auto generated = std::make_shared<const surface::Surface>(surface::to_texels(surface::make_brick(recipe)),
-                                                            placement, 0.02 * side, surface::Edge::wrap);
-  if (size <= 1024) return generated;
-  surface::Texels out;
-  out.width = out.height = size;
-  for (int j = 0; j < size; ++j) {
-    for (int i = 0; i < size; ++i) {
-      const surface::Smooth s = generated->smooth({(i + 0.5) / size, (j + 0.5) / size});
-      out.depth.push_back(static_cast<float>(std::clamp(-s.height / generated->max_depth(), 0.0, 1.0)));
-      out.normal.push_back(Vec3(-s.gradient.x(), -s.gradient.y(), 1).normalized());
-    }
-  }
-  out.colour = Image8(1, 1, 3);
-  return std::make_shared<const surface::Surface>(std::move(out), placement, 0.02 * side,
-                                                  surface::Edge::wrap);
+  return std::make_shared<const surface::Surface>(bench::brick(size, side));
 }
 
 // Led along a path, as encoders of 23 um report it.

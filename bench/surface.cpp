@@ -10,7 +10,6 @@
 // touching, features 20 degrees apart.
 #include <fmt/format.h>
 #include <sys/resource.h>
-#include <time.h>
 
 #include <algorithm>
 #include <array>
@@ -21,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/brick.h"
 #include "intaglio/core/random.h"
 #include "intaglio/surface/closest.h"
 #include "intaglio/surface/extent.h"
@@ -30,16 +30,12 @@
 
 using namespace intaglio;
 using namespace intaglio::surface;
+using bench::brick;
+using bench::cpu_seconds;
 
 namespace {
 
 volatile double sink = 0;
-
-double cpu_seconds() {
-  timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 struct Row {
   int size;
@@ -65,31 +61,6 @@ Row timed(int size, const std::string& what, int queries, const std::function<do
   }
   std::sort(times.begin(), times.end());
   return {size, what, times[times.size() / 2], times[times.size() * 99 / 100], "us"};
-}
-
-Texels upsampled(const Surface& from, int size) {
-  Texels out;
-  out.width = out.height = size;
-  out.depth.reserve(std::size_t(size) * std::size_t(size));
-  out.normal.reserve(out.depth.capacity());
-  for (int j = 0; j < size; ++j) {
-    for (int i = 0; i < size; ++i) {
-      const Smooth s = from.smooth({(i + 0.5) / size, (j + 0.5) / size});
-      out.depth.push_back(static_cast<float>(std::clamp(-s.height / from.max_depth(), 0.0, 1.0)));
-      out.normal.push_back(Vec3(-s.gradient.x(), -s.gradient.y(), 1).normalized());
-    }
-  }
-  out.colour = Image8(1, 1, 3);
-  return out;
-}
-
-Surface brick(int size) {
-  const Placement placement(Vec3::Zero(), Quat::Identity(), 1, 1);
-  BrickRecipe recipe;
-  recipe.size = std::min(size, 1024);
-  Surface generated(to_texels(make_brick(recipe)), placement, 0.02, Edge::wrap);
-  if (size <= 1024) return generated;
-  return {upsampled(generated, size), placement, 0.02, Edge::wrap};
 }
 
 // The nearest point by trying every cell that could hold it.

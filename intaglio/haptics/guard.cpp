@@ -33,9 +33,9 @@ std::uint32_t Guard::fault_of(const GuardInput& input, double dt) const {
   using namespace guard_status;
   if (!input.wanted.is_finite() || !input.tip.allFinite() || !std::isfinite(input.time)) return not_a_number;
   std::uint32_t faults = 0;
-  // Written so that a heartbeat that is not a number is one that is late.
-  if (!(input.time - input.scene_time <= limits_.scene_timeout)) faults |= scene_stalled;
-  if (!(input.time - input.link_time <= limits_.link_timeout)) faults |= link_lost;
+  // Written so that a heartbeat that is not a number, or of the future, is one that is late.
+  if (!(std::abs(input.time - input.scene_time) <= limits_.scene_timeout)) faults |= scene_stalled;
+  if (!(std::abs(input.time - input.link_time) <= limits_.link_timeout)) faults |= link_lost;
   if (started_ && !(dt > 0 && dt <= limits_.loop_timeout)) faults |= loop_stalled;
   if (started_ && (input.tip - last_tip_).cwiseAbs().maxCoeff() > limits_.jump_limit) faults |= jumped;
   return faults;
@@ -69,8 +69,10 @@ void Guard::limit(Channel& channel, const Vec3& wanted, double dt) {
   const double lasting2 = std::min(channel.continuous * channel.continuous, peak2);
   const double allowed = std::sqrt(lasting2 + (peak2 - lasting2) * std::clamp(1 - channel.heat, 0.0, 1.0));
   const Vec3 shorter = shortened(wanted, allowed);
-  if (shorter != wanted)
-    status_ |= allowed < 0.999 * channel.peak ? guard_status::warm : guard_status::clamped;
+  if (shorter != wanted) {
+    status_ |= guard_status::clamped;
+    if (allowed < 0.999 * channel.peak) status_ |= guard_status::warm;
+  }
   const Vec3 change = shorter - channel.last;
   const Vec3 step = shortened(change, channel.slew_rate * std::min(dt, longest_slew));
   if (step != change) status_ |= guard_status::slewed;

@@ -47,11 +47,11 @@ struct GuardLimits {
 };
 
 namespace guard_status {
-inline constexpr std::uint32_t clamped = 1u << 0;   // larger than the peak force or torque
+inline constexpr std::uint32_t clamped = 1u << 0;   // larger than the force or torque that is allowed now
 inline constexpr std::uint32_t slewed = 1u << 1;    // changed faster than the slew rate
 inline constexpr std::uint32_t ramping = 1u << 2;   // within the ramp-in
 inline constexpr std::uint32_t fault = 1u << 3;     // latched: zero force until rearm()
-inline constexpr std::uint32_t warm = 1u << 4;      // held below the peak by the continuous limit
+inline constexpr std::uint32_t warm = 1u << 4;      // clamped, and below the peak: the continuous limit
 inline constexpr std::uint32_t too_fast = 1u << 5;  // the hand is over the velocity limit: force goes to zero
 inline constexpr std::uint32_t not_a_number = 1u << 6;  // why it faulted, latched with it
 inline constexpr std::uint32_t scene_stalled = 1u << 7;

@@ -154,6 +154,7 @@ TEST_CASE("each cause of a fault is named, zero comes at once, and stays until r
       {not_a_number, [](GuardInput& i) { i.wanted.torque.x() = std::nan(""); }},
       {not_a_number, [](GuardInput& i) { i.tip.y() = std::nan(""); }},
       {scene_stalled, [](GuardInput& i) { i.scene_time -= 0.0201; }},
+      {scene_stalled, [](GuardInput& i) { i.scene_time += 10; }},
       {link_lost, [](GuardInput& i) { i.link_time -= 0.0201; }},
       {link_lost, [](GuardInput& i) { i.link_time = std::nan(""); }},
       {loop_stalled, [](GuardInput& i) { i.time += 0.05, i.scene_time += 0.05, i.link_time += 0.05; }},
