@@ -2,7 +2,8 @@
 //
 // Fixed steps, deterministic: the same bodies and steps give the same motion. Not thread-safe; one thread at
 // a time. Cost of a step: about 3 us a body for Bullet itself, plus the contact query of its representation
-// (contact/sphere.h). Bullet computes in 32-bit floats: keep the scene within some metres of the origin.
+// (docs/contact-bench.md). Bullet computes in 32-bit floats: keep the scene within some metres of the origin.
+// A body that moves farther than its own size in a step makes the world take smaller ones inside.
 #pragma once
 
 #include <memory>
@@ -11,22 +12,19 @@
 
 #include "intaglio/core/event.h"
 #include "intaglio/core/material.h"
-#include "intaglio/core/representation.h"
+#include "intaglio/dynamics/method.h"
 #include "intaglio/surface/surface.h"
 
 namespace intaglio::dynamics {
-
-// How contacts with a relief are found (contact/sphere.h).
-enum class ContactMethod {
-  closest,      // ours: closest features, true penetration
-  directional,  // the paper's: height maps compared along n_g, §1.3.1
-};
 
 struct WorldOptions {
   Representation representation = Representation::relief;
   ContactMethod method = ContactMethod::closest;
   Vec3 gravity = Vec3(0, -9.81, 0);  // m/s^2
   double step = 1.0 / 480;           // s
+  NormalMethod normal_method = NormalMethod::implied;
+  bool bodies_collide = true;  // with each other
+  int most_substeps = 8;       // of one step, when bodies are fast
 };
 
 struct SphereBody {
@@ -39,11 +37,23 @@ struct SphereBody {
   double mass() const;  // kg, solid
 };
 
+// What is the matter with a body: bits. A body that cannot be simulated stays where it was put.
+enum BodyStatus : unsigned {
+  body_ok = 0,
+  not_finite = 1u << 0,      // its pose or velocity is not a number: not simulated
+  no_size = 1u << 1,         // nothing of it to touch: not simulated
+  out_of_range = 1u << 2,    // so far from the origin that floats cannot place it to a tenth of a texel
+  too_fast = 1u << 3,        // moved farther in a step than contacts can be foreseen: slowed to that
+  under_surface = 1u << 4,   // its middle is below the surface
+  off_edge = 1u << 5,        // beyond the rectangle: it falls
+};
+
 class World {
  public:
   World(std::shared_ptr<const surface::Surface> floor, const Material& floor_material,
         const WorldOptions& options);
   ~World();
+  World(World&&) noexcept;
 
   // Bodies are numbered from 1; 0 is the floor.
   BodyId add(const SphereBody& body);
@@ -57,6 +67,7 @@ class World {
   Pose pose(BodyId body) const;
   Vec3 velocity(BodyId body) const;
   Vec3 angular_velocity(BodyId body) const;
+  unsigned status(BodyId body) const;  // BodyStatus bits, as of the last step
 
   // The worst disagreement so far between the momentum a body gained in a step and the impulses reported for
   // it (Eq. 1.1) plus gravity's, N s. Rounding only, when no contact is lost or counted twice.

@@ -1,0 +1,69 @@
+// What a World holds. Internal to dynamics/: includes Bullet.
+#pragma once
+
+#include <btBulletDynamicsCommon.h>
+
+#include <memory>
+#include <vector>
+
+#include "intaglio/dynamics/bullet_vec.h"
+#include "intaglio/dynamics/textured_shape.h"
+#include "intaglio/dynamics/world.h"
+
+namespace intaglio::dynamics {
+
+struct World::State {
+  struct Body {
+    std::unique_ptr<btCollisionShape> shape;
+    std::unique_ptr<btRigidBody> rigid;
+    double reach = 0;  // m, of the shape around the body's position
+    Vec3 gained = Vec3::Zero();  // N s, reported in this step
+    Vec3 velocity_before = Vec3::Zero();
+    Vec3 last_point = Vec3::Zero();  // where it last touched
+    unsigned status = body_ok;
+    double energy_before = 0;        // J
+    bool touching = false, touched = false, met_another = false;
+
+    bool is_simulated() const { return (status & (not_finite | no_size)) == 0; }
+  };
+
+  WorldOptions options;
+  std::shared_ptr<const surface::Surface> surface;
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher{&configuration};
+  btDbvtBroadphase broadphase;
+  btSequentialImpulseConstraintSolver solver;
+  btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+  TexturedShape floor_shape;
+  btRigidBody floor;
+  double floor_rolling_resistance = 0;
+  std::vector<Body> bodies;
+  std::vector<ContactEvent> events;
+  double time = 0;
+  std::int64_t steps = 0;
+  double momentum_residual = 0;
+
+  State(std::shared_ptr<const surface::Surface> s, const Material& material, const WorldOptions& o);
+  ~State();
+
+  Body& body(BodyId id);
+  BodyId id(const btCollisionObject& object) const { return static_cast<BodyId>(object.getUserIndex()); }
+  void advance(double dt);
+  int substeps() const;
+  // The paper's normal substitution, which knows no energy.
+  bool is_literal() const {
+    return options.representation == Representation::normal && options.normal_method == NormalMethod::literal;
+  }
+  double energy(const btRigidBody& body) const;
+  void pay_for_lift(Body& body);
+  void slow(double dt);
+  void look_after(Body& body) const;
+
+  // world_events.cpp
+  void collect(double dt);
+  void collect(const btPersistentManifold& manifold, double dt);
+  ContactEvent event(const Body& body, const Vec3& point, const Vec3& impulse, double dt) const;
+  void audit(double dt);
+};
+
+}  // namespace intaglio::dynamics

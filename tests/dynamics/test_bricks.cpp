@@ -1,0 +1,84 @@
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "tests/dynamics/brick_scene.h"
+
+using namespace intaglio;
+using namespace intaglio::dynamics;
+namespace scene = intaglio::tests::brick_scene;
+
+namespace {
+
+struct Run {
+  std::vector<Vec3> at;         // the balls, at the end
+  std::vector<double> depths;   // true penetration of every ball after every step, where there is any
+  double gained = 0;            // sum of all rises of a ball's energy from step to step, J
+  double seconds = 0;           // balls times time
+};
+
+Run run(const std::shared_ptr<const surface::Surface>& s, const std::vector<SphereBody>& balls, int rate,
+        double duration, bool watch = false) {
+  World world = scene::world(s, rate, balls);
+  Run out;
+  std::vector<double> before(balls.size());
+  for (std::size_t k = 0; k < balls.size(); ++k)
+    before[k] = scene::energy(world, static_cast<BodyId>(k + 1), balls[k]);
+  const int steps = static_cast<int>(std::lround(duration * rate));
+  for (int n = 0; n < steps; ++n) {
+    world.step();
+    for (std::size_t k = 0; watch && k < balls.size(); ++k) {
+      const auto id = static_cast<BodyId>(k + 1);
+      const double now = scene::energy(world, id, balls[k]);
+      out.gained += std::max(0.0, now - before[k]);
+      before[k] = now;
+      const auto nearest = closest_point(*s, s->placement().to_local(world.pose(id).position));
+      out.depths.push_back(std::max(0.0, balls[k].radius - nearest->distance));
+    }
+  }
+  out.seconds = static_cast<double>(balls.size()) * duration;
+  for (std::size_t k = 0; k < balls.size(); ++k) out.at.push_back(world.pose(static_cast<BodyId>(k + 1)).position);
+  return out;
+}
+
+double height_rms(const Run& a, const Run& b) {
+  double sum = 0;
+  for (std::size_t k = 0; k < a.at.size(); ++k) sum += std::pow(a.at[k].y() - b.at[k].y(), 2);
+  return std::sqrt(sum / static_cast<double>(a.at.size()));
+}
+
+}  // namespace
+
+TEST_CASE("T3, T4: balls on bricks agree with the same run at 3840 Hz, the better the higher the rate") {
+  const auto s = scene::floor(tests::poses(256, 512));
+  const auto balls = scene::balls(*s, tests::poses(25, 100));
+  const Run fine = run(s, balls, 3840, 0.75);
+  std::vector<double> errors;
+  for (const int rate : {60, 240, 960}) {
+    errors.push_back(height_rms(run(s, balls, rate, 0.75), fine));
+    MESSAGE("height RMS at " << rate << " Hz: " << 1000 * errors.back() << " mm");
+  }
+  CHECK(errors[2] <= 0.3e-3);
+  CHECK(errors[0] >= 2 * errors[1]);
+  CHECK(errors[1] >= 2 * errors[2]);
+}
+
+TEST_CASE("T5, T7: at 60 Hz balls on bricks gain no energy and stay outside") {
+  const auto s = scene::floor(tests::poses(256, 512));
+  const auto balls = scene::balls(*s, tests::poses(25, 100));
+  for (const int rate : {60, 240, 960}) {
+  Run watched = run(s, balls, rate, 3, true);
+  const double mgr = balls[0].mass() * scene::gravity * scene::radius;
+  MESSAGE("energy gained: " << watched.gained / mgr / watched.seconds << " m g r a ball and second");
+  std::sort(watched.depths.begin(), watched.depths.end());
+  const double p95 = watched.depths[watched.depths.size() * 95 / 100];
+  MESSAGE("penetration p95 " << 1000 * p95 << " mm, p99.9 " <<  1000 * watched.depths[watched.depths.size() * 999 / 1000] << ", max " << 1000 * watched.depths.back() << " mm");
+  if (rate == 60) {
+  CHECK(watched.gained <= 1e-4 * mgr * watched.seconds);
+  CHECK(p95 <= 0.1e-3);
+  CHECK(watched.depths.back() <= 1e-3);}
+  }
+}
