@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "intaglio/contact/sphere.h"
+#include "intaglio/contact/relief.h"
 
 namespace intaglio::dynamics {
 
@@ -15,18 +15,19 @@ TexturedFloor::TexturedFloor(std::shared_ptr<const surface::Surface> surface, co
 const contact::ContactSet& TexturedFloor::query(int body, const Vec3& centre, double radius, double margin) {
   const auto slot = static_cast<std::size_t>(body);
   if (last_.size() <= slot) last_.resize(slot + 1);
-  const contact::Sphere sphere{centre, radius};
+  const contact::Sphere sphere{radius};
+  const Pose pose{centre, Quat::Identity()};
   contact::ContactSet& set = last_[slot];
   switch (options_.representation) {
     case Representation::flat:
-      set = flat_contacts(*surface_, sphere, margin);
+      set = flat_contacts(*surface_, sphere, pose, margin);
       break;
     case Representation::normal:
-      set = normal_map_contacts(*surface_, sphere, margin);
+      set = normal_map_contacts(*surface_, sphere, pose, margin);
       break;
     case Representation::relief:
-      set = options_.method == ContactMethod::closest ? relief_contacts(*surface_, sphere, margin)
-                                                      : directional_contacts(*surface_, sphere, margin);
+      set = options_.method == ContactMethod::closest ? relief_contacts(*surface_, sphere, pose, margin)
+                                                      : directional_contacts(*surface_, sphere, pose, margin);
       break;
   }
   return set;

@@ -2,7 +2,7 @@
 //
 // Fixed steps, deterministic: the same bodies and steps give the same motion. Not thread-safe; one thread at
 // a time. Cost of a step: about 3 us a body for Bullet itself, plus the contact query of its representation
-// (contact/sphere.h). Bullet computes in 32-bit floats: keep the scene within some metres of the origin.
+// (contact/relief.h). Bullet computes in 32-bit floats: keep the scene within some metres of the origin.
 #pragma once
 
 #include <memory>
@@ -16,7 +16,7 @@
 
 namespace intaglio::dynamics {
 
-// How contacts with a relief are found (contact/sphere.h).
+// How contacts with a relief are found (contact/relief.h).
 enum class ContactMethod {
   closest,      // ours: closest features, true penetration
   directional,  // the paper's: height maps compared along n_g, §1.3.1
