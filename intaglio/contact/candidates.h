@@ -1,0 +1,66 @@
+// Contacts found so far, and the choice of the few that are reported. Local frame of the placement, metres;
+// on the stack, no allocation. Internal to contact/.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+
+#include "intaglio/contact/contact_point.h"
+#include "intaglio/surface/surface.h"
+
+namespace intaglio::contact {
+
+// Of two contacts whose normals differ by less, one may stand for the other.
+inline constexpr double min_angle = 20 * std::numbers::pi / 180;
+
+// What of the body touches.
+enum class Part : std::uint64_t { round = 0, vertex = 1, edge = 2, face = 3 };
+
+// A name for what touches what: a cell (or texel) and a part of the body. Different ones may share a name
+// above 2^18 texels, 2^18 parts or 2^8 children.
+inline std::uint64_t feature_id(int i, int j, Part part, int index, int child) {
+  const auto bits = [](auto value, unsigned count) {
+    return static_cast<std::uint64_t>(value) & ((std::uint64_t{1} << count) - 1);
+  };
+  return bits(i, 18) | bits(j, 18) << 18 | bits(index, 18) << 36 | bits(part, 2) << 54 | bits(child, 8) << 56;
+}
+
+struct Candidate {
+  Vec3 point;   // on the relief
+  Vec3 normal;  // unit, towards the body
+  double distance;
+  std::uint64_t feature;
+};
+
+// The deepest that were added, as many as are kept.
+class Candidates {
+ public:
+  static constexpr std::size_t capacity = 64;
+
+  explicit Candidates(double margin) : limit_(margin) {}
+
+  // Farther ones are not wanted: the margin, or once full the shallowest kept.
+  double limit() const { return limit_; }
+  std::size_t size() const { return count_; }
+  const Candidate& operator[](std::size_t k) const { return kept_[k]; }
+  const Candidate* begin() const { return kept_.data(); }
+  const Candidate* end() const { return kept_.data() + count_; }
+  bool overflowed() const { return overflowed_; }
+
+  void add(const Candidate& candidate);
+
+  // The deepest, then those whose normals differ from all chosen, then those that widen the support.
+  void choose(const surface::Surface& surface, ContactSet& set);
+
+ private:
+  void find_shallowest();
+
+  std::array<Candidate, capacity> kept_;
+  std::size_t count_ = 0, shallowest_ = 0;
+  double limit_;
+  bool overflowed_ = false;
+};
+
+}  // namespace intaglio::contact
