@@ -23,7 +23,8 @@ Motion free_motion(const btCollisionObject& object, double dt) {
 
 }  // namespace
 
-Approach::Approach(const btCollisionObjectWrapper& body, const btCollisionObjectWrapper& textured, double step)
+Approach::Approach(const btCollisionObjectWrapper& body, const btCollisionObjectWrapper& textured,
+                   double step)
     : dt(step) {
   btVector3 middle;
   btScalar radius;
@@ -38,8 +39,8 @@ Approach::Approach(const btCollisionObjectWrapper& body, const btCollisionObject
   };
   const Motion ground = free_motion(*textured.getCollisionObject(), dt);
   const Quat to_shape = from_bullet(frame.getRotation()).conjugate();
-  velocity = to_shape * (carried(motion, *body.getCollisionObject()) -
-                         carried(ground, *textured.getCollisionObject()));
+  velocity = to_shape *
+             (carried(motion, *body.getCollisionObject()) - carried(ground, *textured.getCollisionObject()));
   spin = to_shape * (motion.spin - ground.spin);
 }
 
@@ -48,21 +49,20 @@ Pose Approach::predicted(const contact::ContactSet& contacts) const {
   for (int round = 0; round < 4; ++round) {
     for (const contact::ContactPoint& c : contacts) {
       // Each contact may close its gap and no more.
-      const double excess = -std::max(c.distance, 0.0) / dt -
-                            (v + spin.cross(c.point - pose.position)).dot(c.normal);
+      const double excess =
+          -std::max(c.distance, 0.0) / dt - (v + spin.cross(c.point - pose.position)).dot(c.normal);
       if (excess > 0) v += excess * c.normal;
     }
   }
   const double angle = spin.norm() * dt;
-  const Quat turn =
-      angle > 0 ? Quat(Eigen::AngleAxisd(angle, spin.normalized())) : Quat::Identity();
+  const Quat turn = angle > 0 ? Quat(Eigen::AngleAxisd(angle, spin.normalized())) : Quat::Identity();
   return {pose.position + v * dt, (turn * pose.orientation).normalized()};
 }
 
 namespace {
 
 // Adds what the body would be in at the end of the step; whether there was any.
-bool add_met(const TexturedShape& shape, const btCollisionShape& body, const Approach& approach, double slack,
+bool add_met(const TexturedShape& shape, const contact::Shape& body, const Approach& approach, double slack,
              contact::ContactSet& contacts) {
   const Pose later = approach.predicted(contacts);
   const std::size_t before = contacts.count;
@@ -80,11 +80,10 @@ bool add_met(const TexturedShape& shape, const btCollisionShape& body, const App
 
 }  // namespace
 
-contact::ContactSet contacts_ahead(const TexturedShape& shape, const btCollisionShape& body,
+contact::ContactSet contacts_ahead(const TexturedShape& shape, const contact::Shape& body,
                                    const Approach& approach, double slack) {
   const double travel = approach.travel();
-  contact::ContactSet now =
-      shape.contacts(body, approach.pose, std::min(travel + slack, shape.look_ahead()));
+  contact::ContactSet now = shape.contacts(body, approach.pose, std::min(travel + slack, shape.look_ahead()));
   const double texel = std::min(shape.surface().texel_u(), shape.surface().texel_v());
   if (travel < 0.25 * texel || now.count == contact::ContactSet::capacity) return now;
   // What is added may turn the body into something else: look again, a few times.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "intaglio/dynamics/approach.h"
+#include "intaglio/dynamics/bullet_shape.h"
 #include "intaglio/dynamics/bullet_vec.h"
 #include "intaglio/dynamics/textured_shape.h"
 
@@ -40,7 +41,10 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
  public:
   SurfaceAlgorithm(const btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper& body,
                    const btCollisionObjectWrapper& textured, bool swapped, bool reports)
-      : btCollisionAlgorithm(info), swapped_(swapped), reports_(reports) {
+      : btCollisionAlgorithm(info),
+        shape_(from_bullet(*body.getCollisionShape())),
+        swapped_(swapped),
+        reports_(reports) {
     if (!reports) add_manifold(*body.getCollisionObject(), *textured.getCollisionObject());
   }
   ~SurfaceAlgorithm() override {
@@ -56,9 +60,9 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
     const Approach approach(body, textured, static_cast<double>(info.m_timeStep));
     const double slack = 0.01 * std::min(shape.surface().texel_u(), approach.reach);
     contact::ContactSet contacts;
-    if (is_near(shape, approach))
-      contacts = contacts_ahead(shape, *body.getCollisionShape(), approach, slack);
-    fill(contacts, approach, *body.getCollisionObject(), *textured.getCollisionObject(), textured.getWorldTransform());
+    if (is_near(shape, approach)) contacts = contacts_ahead(shape, shape_, approach, slack);
+    fill(contacts, approach, *body.getCollisionObject(), *textured.getCollisionObject(),
+         textured.getWorldTransform());
   }
 
   btScalar calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&,
@@ -71,7 +75,8 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
 
  private:
   static constexpr std::size_t per_manifold = MANIFOLD_CACHE_SIZE;
-  static constexpr std::size_t most_manifolds = (contact::ContactSet::capacity + per_manifold - 1) / per_manifold;
+  static constexpr std::size_t most_manifolds =
+      (contact::ContactSet::capacity + per_manifold - 1) / per_manifold;
   using OldPoints = std::array<btManifoldPoint, most_manifolds * per_manifold>;
 
   // The body is A whatever the order of the pair, so that impulses always read as "on the body".
@@ -91,8 +96,8 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
               const btCollisionObjectWrapper& textured, btManifoldResult& result) const {
     const btTransform& frame = textured.getWorldTransform();
     const Pose pose = from_bullet(frame.inverseTimes(body.getWorldTransform()));
-    for (const contact::ContactPoint& c : shape.contacts(
-             *body.getCollisionShape(), pose, static_cast<double>(result.m_closestPointDistanceThreshold))) {
+    for (const contact::ContactPoint& c :
+         shape.contacts(shape_, pose, static_cast<double>(result.m_closestPointDistanceThreshold))) {
       const btVector3 normal = frame.getBasis() * to_bullet(c.normal);
       const btVector3 on_surface = frame(to_bullet(c.point));
       const auto distance = static_cast<btScalar>(c.distance);
@@ -107,7 +112,8 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
 
   void fill(const contact::ContactSet& contacts, const Approach& approach, const btCollisionObject& body,
             const btCollisionObject& textured, const btTransform& frame) {
-    // Rebuilt each step, or Bullet's cached points would keep stale normals; impulses stay with their feature.
+    // Rebuilt each step, or Bullet's cached points would keep stale normals; impulses stay with their
+    // feature.
     OldPoints old;
     std::size_t old_count = 0;
     for (std::size_t m = 0; m < manifold_count_; ++m) {
@@ -161,6 +167,7 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
 
   std::array<btPersistentManifold*, most_manifolds> manifolds_{};
   std::size_t manifold_count_ = 0;
+  contact::Shape shape_;  // of the body; Bullet makes a new algorithm when it changes
   bool swapped_, reports_;
 };
 

@@ -20,6 +20,7 @@
 #include <memory>
 
 #include "intaglio/contact/contact_point.h"
+#include "intaglio/contact/shape.h"
 #include "intaglio/dynamics/method.h"
 #include "intaglio/surface/surface.h"
 
@@ -30,11 +31,13 @@ class TexturedShape : public btConcaveShape {
   explicit TexturedShape(std::shared_ptr<const surface::Surface> surface, const ContactOptions& options = {});
 
   const surface::Surface& surface() const { return *surface_; }
+  // What bodies move on: the surface, or the relief that its normals imply.
+  const surface::Surface& relief() const { return *relief_; }
+  Vec2 mean_slope() const { return mean_slope_; }  // of the implied relief
   const ContactOptions& options() const { return options_; }
 
-  // Where a body of Bullet's that is at `pose` in this shape's frame touches it, or will within `margin`
-  // metres. Shapes that it cannot meet give nothing.
-  contact::ContactSet contacts(const btCollisionShape& body, const Pose& pose, double margin) const;
+  // Where a body that is at `pose` in this shape's frame touches it, or will within `margin` metres.
+  contact::ContactSet contacts(const contact::Shape& body, const Pose& pose, double margin) const;
   // How far ahead contacts may be asked for, metres: bodies farther off are not looked at.
   double look_ahead() const { return look_ahead_; }
   bool is_near(const btVector3& low, const btVector3& high) const;
@@ -50,15 +53,16 @@ class TexturedShape : public btConcaveShape {
                            const btVector3& high) const override;
 
  private:
-  std::shared_ptr<const surface::Surface> surface_;
+  std::shared_ptr<const surface::Surface> surface_, relief_;
+  Vec2 mean_slope_ = Vec2::Zero();
   ContactOptions options_;
   double look_ahead_;
   btVector3 low_, high_;  // of the relief, in this shape's frame
   btVector3 scaling_{1, 1, 1};
 };
 
-// Teaches `dispatcher` to meet every kind of shape with TexturedShape, in both orders of a pair, for steps and
-// for contactTest. Bullet gives btSdfCollisionShape the same number: the two cannot be in one world.
+// Teaches `dispatcher` to meet every kind of shape with TexturedShape, in both orders of a pair, for steps
+// and for contactTest. Bullet gives btSdfCollisionShape the same number: the two cannot be in one world.
 void register_algorithms(btCollisionDispatcher& dispatcher);
 
 }  // namespace intaglio::dynamics

@@ -33,6 +33,8 @@ World::State::State(std::shared_ptr<const surface::Surface> s, const Material& m
       floor_shape(std::move(s), contact_options(o)),
       floor(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &floor_shape)) {
   register_algorithms(dispatcher);
+  if (&floor_shape.relief() != surface.get())
+    drawn.emplace(*surface, floor_shape.relief(), floor_shape.mean_slope());
   world.setGravity(to_bullet(options.gravity));
   btContactSolverInfo& info = world.getSolverInfo();
   info.m_restitutionVelocityThreshold =
@@ -70,24 +72,29 @@ BodyId World::add(const SphereBody& body) {
   State& s = *state_;
   State::Body added;
   added.reach = body.radius;
-  added.shape = std::make_unique<btSphereShape>(static_cast<btScalar>(body.radius));
+  added.shape = contact::Sphere{body.radius};
+  added.bullet_shape = std::make_unique<btSphereShape>(static_cast<btScalar>(body.radius));
+  const Pose pose{body.position, Quat::Identity()};
   const auto mass = static_cast<btScalar>(body.mass());
   btVector3 inertia;
-  added.shape->calculateLocalInertia(mass, inertia);
-  btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, added.shape.get(), inertia);
-  info.m_startWorldTransform = to_bullet(Pose{body.position, Quat::Identity()});
+  added.bullet_shape->calculateLocalInertia(mass, inertia);
+  btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, added.bullet_shape.get(), inertia);
+  info.m_startWorldTransform = to_bullet(s.drawn ? s.drawn->simulated(added.shape, pose) : pose);
   info.m_friction = friction_of(body.material);
   info.m_restitution = static_cast<btScalar>(body.material.restitution);
   // Bullet's rolling friction of a pair is a.rolling * b.friction + b.rolling * a.friction, a length. Ours is
   // the sum of both materials' times the radius: all of it is given to the body.
   const double floor_friction = s.floor.getFriction();
   info.m_rollingFriction = static_cast<btScalar>(
-      floor_friction > 0 ? (body.material.rolling_resistance + s.floor_rolling_resistance) * body.radius / floor_friction : 0);
+      floor_friction > 0
+          ? (body.material.rolling_resistance + s.floor_rolling_resistance) * body.radius / floor_friction
+          : 0);
   info.m_spinningFriction = info.m_rollingFriction;
   info.m_linearSleepingThreshold = 0.004f;
   info.m_angularSleepingThreshold = 0.1f;
   added.rigid = std::make_unique<btRigidBody>(info);
-  added.rigid->setLinearVelocity(to_bullet(body.velocity));
+  added.rigid->setLinearVelocity(
+      to_bullet(s.drawn ? s.drawn->simulated_velocity(body.velocity) : body.velocity));
   added.rigid->setAngularVelocity(to_bullet(body.angular_velocity));
   s.bodies.push_back(std::move(added));
   const auto id = static_cast<BodyId>(s.bodies.size());
@@ -104,8 +111,8 @@ int World::State::substeps() const {
   double most = 1;
   for (const Body& body : bodies) {
     if (!body.is_simulated() || !body.rigid->isActive()) continue;
-    const double speed = static_cast<double>(body.rigid->getLinearVelocity().length()) +
-                         options.gravity.norm() * options.step;
+    const double speed =
+        static_cast<double>(body.rigid->getLinearVelocity().length()) + options.gravity.norm() * options.step;
     most = std::max(most, std::ceil(speed * options.step / body.reach));
   }
   return static_cast<int>(std::min(most, static_cast<double>(options.most_substeps)));
@@ -147,7 +154,8 @@ void World::State::pay_for_lift(Body& body) {
   if (!body.touched || body.met_another || is_literal()) return;
   const double gained = energy(*body.rigid) - body.energy_before;
   const double mass = 1 / static_cast<double>(body.rigid->getInvMass());
-  const double kinetic = energy(*body.rigid) + mass * options.gravity.dot(from_bullet(body.rigid->getWorldTransform().getOrigin()));
+  const double kinetic = energy(*body.rigid) +
+                         mass * options.gravity.dot(from_bullet(body.rigid->getWorldTransform().getOrigin()));
   if (gained <= 0 || kinetic <= 0) return;
   const double kept = std::sqrt(std::max(0.0, 1 - gained / kinetic));
   const Vec3 velocity = from_bullet(body.rigid->getLinearVelocity());
@@ -155,9 +163,8 @@ void World::State::pay_for_lift(Body& body) {
   body.rigid->setLinearVelocity(to_bullet(kept * velocity));
   body.rigid->setAngularVelocity(body.rigid->getAngularVelocity() * static_cast<btScalar>(kept));
   body.gained += impulse;
-  const auto own = std::find_if(events.rbegin(), events.rend(), [&](const ContactEvent& e) {
-    return e.body == id(*body.rigid);
-  });
+  const auto own = std::find_if(events.rbegin(), events.rend(),
+                                [&](const ContactEvent& e) { return e.body == id(*body.rigid); });
   if (own != events.rend()) own->impulse += impulse;
 }
 
@@ -171,7 +178,10 @@ std::size_t World::body_count() const {
   return state_->bodies.size();
 }
 Pose World::pose(BodyId body) const {
-  return from_bullet(state_->body(body).rigid->getWorldTransform());
+  return state_->pose(state_->body(body));
+}
+Pose World::drawn_pose(BodyId body) const {
+  return state_->drawn_pose(state_->body(body));
 }
 Vec3 World::velocity(BodyId body) const {
   return from_bullet(state_->body(body).rigid->getLinearVelocity());

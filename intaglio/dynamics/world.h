@@ -40,12 +40,12 @@ struct SphereBody {
 // What is the matter with a body: bits. A body that cannot be simulated stays where it was put.
 enum BodyStatus : unsigned {
   body_ok = 0,
-  not_finite = 1u << 0,      // its pose or velocity is not a number: not simulated
-  no_size = 1u << 1,         // nothing of it to touch: not simulated
-  out_of_range = 1u << 2,    // so far from the origin that floats cannot place it to a tenth of a texel
-  too_fast = 1u << 3,        // moved farther in a step than contacts can be foreseen: slowed to that
-  under_surface = 1u << 4,   // its middle is below the surface
-  off_edge = 1u << 5,        // beyond the rectangle: it falls
+  not_finite = 1u << 0,     // its pose or velocity is not a number: not simulated
+  no_size = 1u << 1,        // nothing of it to touch: not simulated
+  out_of_range = 1u << 2,   // so far from the origin that floats cannot place it to a tenth of a texel
+  too_fast = 1u << 3,       // moved farther in a step than contacts can be foreseen: slowed to that
+  under_surface = 1u << 4,  // its middle is below the surface
+  off_edge = 1u << 5,       // beyond the rectangle: it falls
 };
 
 class World {
@@ -55,7 +55,7 @@ class World {
   ~World();
   World(World&&) noexcept;
 
-  // Bodies are numbered from 1; 0 is the floor.
+  // Bodies are numbered from 1; 0 is the floor. Positions and velocities are those of the body as drawn.
   BodyId add(const SphereBody& body);
 
   // One fixed step. Afterwards events() holds its contacts, in order of body.
@@ -64,7 +64,10 @@ class World {
   std::span<const ContactEvent> events() const;
   double time() const;  // s, end of the last step
   std::size_t body_count() const;
+  // Where the body is simulated. Over a normal map that is on the relief that the normals imply; it is drawn,
+  // and heard, on the flat floor (drawn.h). Everywhere else both are the same.
   Pose pose(BodyId body) const;
+  Pose drawn_pose(BodyId body) const;
   Vec3 velocity(BodyId body) const;
   Vec3 angular_velocity(BodyId body) const;
   unsigned status(BodyId body) const;  // BodyStatus bits, as of the last step

@@ -24,14 +24,14 @@ ContactEvent World::State::event(const Body& body, const Vec3& point, const Vec3
   event.time = time;
   event.body = id(*body.rigid);
   event.phase = body.touching ? ContactPhase::persist : ContactPhase::begin;
-  event.point = point;
+  event.point = drawn ? drawn->point(point) : point;
   event.uv = place.uv(place.to_local(point));
   event.n_g = place.n();
   event.n_s = options.representation == Representation::flat ? event.n_g : surface->world_normal(event.uv);
   event.v_t = velocity - velocity.dot(event.n_g) * event.n_g;
   event.impulse = impulse;
   event.duration = dt;
-  event.body_pose = from_bullet(body.rigid->getWorldTransform());
+  event.body_pose = drawn_pose(body);
   return event;
 }
 
@@ -60,7 +60,8 @@ void World::State::collect(double dt) {
     body.gained.setZero();
     body.touched = body.met_another = false;
   }
-  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) collect(*dispatcher.getManifoldByIndexInternal(m), dt);
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m)
+    collect(*dispatcher.getManifoldByIndexInternal(m), dt);
   for (Body& body : bodies) {
     if (!body.is_simulated() || !body.rigid->isActive()) continue;
     if (body.touching && !body.touched) {

@@ -4,9 +4,11 @@
 #include <btBulletDynamicsCommon.h>
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "intaglio/dynamics/bullet_vec.h"
+#include "intaglio/dynamics/drawn.h"
 #include "intaglio/dynamics/textured_shape.h"
 #include "intaglio/dynamics/world.h"
 
@@ -14,14 +16,15 @@ namespace intaglio::dynamics {
 
 struct World::State {
   struct Body {
-    std::unique_ptr<btCollisionShape> shape;
+    contact::Shape shape;
+    std::unique_ptr<btCollisionShape> bullet_shape;
     std::unique_ptr<btRigidBody> rigid;
-    double reach = 0;  // m, of the shape around the body's position
+    double reach = 0;            // m, of the shape around the body's position
     Vec3 gained = Vec3::Zero();  // N s, reported in this step
     Vec3 velocity_before = Vec3::Zero();
     Vec3 last_point = Vec3::Zero();  // where it last touched
     unsigned status = body_ok;
-    double energy_before = 0;        // J
+    double energy_before = 0;  // J
     bool touching = false, touched = false, met_another = false;
 
     bool is_simulated() const { return (status & (not_finite | no_size)) == 0; }
@@ -35,6 +38,7 @@ struct World::State {
   btSequentialImpulseConstraintSolver solver;
   btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
   TexturedShape floor_shape;
+  std::optional<Drawn> drawn;  // when what is simulated is not what is drawn
   btRigidBody floor;
   double floor_rolling_resistance = 0;
   std::vector<Body> bodies;
@@ -48,6 +52,8 @@ struct World::State {
 
   Body& body(BodyId id);
   BodyId id(const btCollisionObject& object) const { return static_cast<BodyId>(object.getUserIndex()); }
+  Pose pose(const Body& b) const { return from_bullet(b.rigid->getWorldTransform()); }
+  Pose drawn_pose(const Body& b) const { return drawn ? drawn->pose(b.shape, pose(b)) : pose(b); }
   void advance(double dt);
   int substeps() const;
   // The paper's normal substitution, which knows no energy.

@@ -69,13 +69,11 @@ ImpliedRelief implied_relief(const Surface& map) {
   const std::vector<float> normals = map.normal_texture();
   for (std::size_t k = 0; k < z.size(); ++k) {
     texels.depth.push_back(range > 0 ? static_cast<float>((top - z[k]) / range) : 0);
-    texels.normal.push_back(
-        Vec3(normals[3 * k], normals[3 * k + 1], normals[3 * k + 2]).normalized());
+    texels.normal.push_back(Vec3(normals[3 * k], normals[3 * k + 1], normals[3 * k + 2]).normalized());
   }
   texels.colour = Image8(1, 1, 3);
   const Edge edge = out.mean_slope.isZero() ? map.edge() : Edge::clamp;
-  out.surface =
-      std::make_shared<const Surface>(std::move(texels), raised(map.placement(), top), range, edge);
+  out.surface = std::make_shared<const Surface>(std::move(texels), raised(map.placement(), top), range, edge);
   return out;
 }
 
