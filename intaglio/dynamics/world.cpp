@@ -9,16 +9,7 @@
 
 namespace intaglio::dynamics {
 
-double SphereBody::mass() const {
-  return material.density * 4.0 / 3.0 * std::numbers::pi * radius * radius * radius;
-}
-
 namespace {
-
-// Bullet multiplies both bodies' friction: square roots make that the geometric mean.
-float friction_of(const Material& material) {
-  return static_cast<float>(std::sqrt(material.friction));
-}
 
 ContactOptions contact_options(const WorldOptions& o) {
   return {o.representation, o.method, o.normal_method};
@@ -43,7 +34,7 @@ World::State::State(std::shared_ptr<const surface::Surface> s, const Material& m
   // Penetration is undone by moving bodies, never by pushing them: a push is energy from nowhere.
   info.m_splitImpulse = 1;
   info.m_splitImpulsePenetrationThreshold = 0;
-  floor.setFriction(friction_of(material));
+  floor.setFriction(static_cast<btScalar>(std::sqrt(material.friction)));
   floor.setRestitution(static_cast<btScalar>(material.restitution));
   floor_rolling_resistance = material.rolling_resistance;
   floor.setUserIndex(static_cast<int>(floor_body));
@@ -68,49 +59,11 @@ World::World(std::shared_ptr<const surface::Surface> floor, const Material& floo
 World::~World() = default;
 World::World(World&&) noexcept = default;
 
-BodyId World::add(const SphereBody& body) {
-  State& s = *state_;
-  State::Body added;
-  added.reach = body.radius;
-  added.shape = contact::Sphere{body.radius};
-  added.bullet_shape = std::make_unique<btSphereShape>(static_cast<btScalar>(body.radius));
-  const Pose pose{body.position, Quat::Identity()};
-  const auto mass = static_cast<btScalar>(body.mass());
-  btVector3 inertia;
-  added.bullet_shape->calculateLocalInertia(mass, inertia);
-  btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, added.bullet_shape.get(), inertia);
-  info.m_startWorldTransform = to_bullet(s.drawn ? s.drawn->simulated(added.shape, pose) : pose);
-  info.m_friction = friction_of(body.material);
-  info.m_restitution = static_cast<btScalar>(body.material.restitution);
-  // Bullet's rolling friction of a pair is a.rolling * b.friction + b.rolling * a.friction, a length. Ours is
-  // the sum of both materials' times the radius: all of it is given to the body.
-  const double floor_friction = s.floor.getFriction();
-  info.m_rollingFriction = static_cast<btScalar>(
-      floor_friction > 0
-          ? (body.material.rolling_resistance + s.floor_rolling_resistance) * body.radius / floor_friction
-          : 0);
-  info.m_spinningFriction = info.m_rollingFriction;
-  info.m_linearSleepingThreshold = 0.004f;
-  info.m_angularSleepingThreshold = 0.1f;
-  added.rigid = std::make_unique<btRigidBody>(info);
-  added.rigid->setLinearVelocity(
-      to_bullet(s.drawn ? s.drawn->simulated_velocity(body.velocity) : body.velocity));
-  added.rigid->setAngularVelocity(to_bullet(body.angular_velocity));
-  s.bodies.push_back(std::move(added));
-  const auto id = static_cast<BodyId>(s.bodies.size());
-  btRigidBody* rigid = s.bodies.back().rigid.get();
-  rigid->setUserIndex(static_cast<int>(id));
-  const bool meets_all = s.options.bodies_collide;
-  s.world.addRigidBody(rigid, btBroadphaseProxy::DefaultFilter,
-                       meets_all ? btBroadphaseProxy::AllFilter : btBroadphaseProxy::StaticFilter);
-  return id;
-}
-
 // So many that no body moves farther than its own size in one.
 int World::State::substeps() const {
   double most = 1;
   for (const Body& body : bodies) {
-    if (!body.is_simulated() || !body.rigid->isActive()) continue;
+    if (!body.is_moving()) continue;
     const double speed =
         static_cast<double>(body.rigid->getLinearVelocity().length()) + options.gravity.norm() * options.step;
     most = std::max(most, std::ceil(speed * options.step / body.reach));
@@ -129,13 +82,17 @@ void World::step() {
 
 void World::State::advance(double dt) {
   for (Body& body : bodies) {
+    slow(body);
     body.velocity_before = from_bullet(body.rigid->getLinearVelocity());
     body.energy_before = energy(*body.rigid);
   }
   world.stepSimulation(static_cast<btScalar>(dt), 0);
   time += dt;
   collect(dt);
-  for (Body& body : bodies) pay_for_lift(body);
+  for (Body& body : bodies) {
+    pay_for_lift(body);
+    look_after(body);
+  }
   audit(dt);
 }
 

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "intaglio/contact/shape.h"
 #include "intaglio/core/event.h"
 #include "intaglio/core/material.h"
 #include "intaglio/dynamics/method.h"
@@ -37,16 +38,22 @@ struct SphereBody {
   double mass() const;  // kg, solid
 };
 
-// What is the matter with a body: bits. A body that cannot be simulated stays where it was put.
-enum BodyStatus : unsigned {
-  body_ok = 0,
-  not_finite = 1u << 0,     // its pose or velocity is not a number: not simulated
-  no_size = 1u << 1,        // nothing of it to touch: not simulated
-  out_of_range = 1u << 2,   // so far from the origin that floats cannot place it to a tenth of a texel
-  too_fast = 1u << 3,       // moved farther in a step than contacts can be foreseen: slowed to that
-  under_surface = 1u << 4,  // its middle is below the surface
-  off_edge = 1u << 5,       // beyond the rectangle: it falls
+// A solid body of any shape that contact/ knows, of even density. `pose` is that of the shape's frame,
+// wherever its centre of mass is; the velocity is that of the centre of mass.
+struct ShapeBody {
+  contact::Shape shape;
+  Material material;
+  Pose pose;
+  Vec3 velocity = Vec3::Zero();          // m/s
+  Vec3 angular_velocity = Vec3::Zero();  // rad/s
+
+  double mass() const;  // kg
 };
+
+// What World::status adds to the bits of contact::status (contact/contact_point.h).
+inline constexpr unsigned not_simulated = 1u
+                                          << 16;  // it stays where it was put: no size, not finite, or lost
+inline constexpr unsigned slowed = 1u << 17;      // it was faster than contacts can be foreseen
 
 class World {
  public:
@@ -57,6 +64,7 @@ class World {
 
   // Bodies are numbered from 1; 0 is the floor. Positions and velocities are those of the body as drawn.
   BodyId add(const SphereBody& body);
+  BodyId add(const ShapeBody& body);
 
   // One fixed step. Afterwards events() holds its contacts, in order of body.
   void step();
@@ -70,7 +78,8 @@ class World {
   Pose drawn_pose(BodyId body) const;
   Vec3 velocity(BodyId body) const;
   Vec3 angular_velocity(BodyId body) const;
-  unsigned status(BodyId body) const;  // BodyStatus bits, as of the last step
+  // What is the matter with a body as of the last step: bits of contact::status, and the two above.
+  unsigned status(BodyId body) const;
 
   // The worst disagreement so far between the momentum a body gained in a step and the impulses reported for
   // it (Eq. 1.1) plus gravity's, N s. Rounding only, when no contact is lost or counted twice.

@@ -63,7 +63,7 @@ void World::State::collect(double dt) {
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m)
     collect(*dispatcher.getManifoldByIndexInternal(m), dt);
   for (Body& body : bodies) {
-    if (!body.is_simulated() || !body.rigid->isActive()) continue;
+    if (!body.is_moving()) continue;
     if (body.touching && !body.touched) {
       events.push_back(event(body, body.last_point, Vec3::Zero(), dt));
       events.back().phase = ContactPhase::end;
@@ -77,7 +77,7 @@ void World::State::collect(double dt) {
 
 void World::State::audit(double dt) {
   for (const Body& body : bodies) {
-    if (!body.is_simulated() || !body.rigid->isActive()) continue;
+    if (!body.is_moving()) continue;
     const double mass = 1.0 / static_cast<double>(body.rigid->getInvMass());
     const double size = body.gained.norm();
     Vec3 expected = body.velocity_before + options.gravity * dt;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "intaglio/dynamics/bullet_shape.h"
 #include "intaglio/dynamics/bullet_vec.h"
 #include "intaglio/dynamics/drawn.h"
 #include "intaglio/dynamics/textured_shape.h"
@@ -17,17 +18,20 @@ namespace intaglio::dynamics {
 struct World::State {
   struct Body {
     contact::Shape shape;
-    std::unique_ptr<btCollisionShape> bullet_shape;
+    Pose held;  // of the shape in Bullet's frame: principal axes round the centre of mass
+    BulletShape bullet_shape;
     std::unique_ptr<btRigidBody> rigid;
-    double reach = 0;            // m, of the shape around the body's position
-    Vec3 gained = Vec3::Zero();  // N s, reported in this step
-    Vec3 velocity_before = Vec3::Zero();
+    double reach = 0;                // m, of the shape around its centre of mass
+    Vec3 gained = Vec3::Zero();      // N s, reported in this step
     Vec3 last_point = Vec3::Zero();  // where it last touched
-    unsigned status = body_ok;
+    Vec3 velocity_before = Vec3::Zero();
+    btTransform last_good = btTransform::getIdentity();
     double energy_before = 0;  // J
+    unsigned status = 0;
     bool touching = false, touched = false, met_another = false;
 
-    bool is_simulated() const { return (status & (not_finite | no_size)) == 0; }
+    bool is_simulated() const { return (status & not_simulated) == 0; }
+    bool is_moving() const { return is_simulated() && rigid->isActive(); }
   };
 
   WorldOptions options;
@@ -51,8 +55,12 @@ struct World::State {
   ~State();
 
   Body& body(BodyId id);
+  BodyId add(const ShapeBody& body);  // world_bodies.cpp
   BodyId id(const btCollisionObject& object) const { return static_cast<BodyId>(object.getUserIndex()); }
-  Pose pose(const Body& b) const { return from_bullet(b.rigid->getWorldTransform()); }
+  Pose pose(const Body& b) const {
+    const Pose whole = from_bullet(b.rigid->getWorldTransform());
+    return {whole.to_world(b.held.position), whole.orientation * b.held.orientation};
+  }
   Pose drawn_pose(const Body& b) const { return drawn ? drawn->pose(b.shape, pose(b)) : pose(b); }
   void advance(double dt);
   int substeps() const;
@@ -62,8 +70,8 @@ struct World::State {
   }
   double energy(const btRigidBody& body) const;
   void pay_for_lift(Body& body);
-  void slow(double dt);
-  void look_after(Body& body) const;
+  void slow(Body& body) const;  // world_bodies.cpp
+  void look_after(Body& body);  // world_bodies.cpp
 
   // world_events.cpp
   void collect(double dt);
