@@ -45,7 +45,7 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
         shape_(from_bullet(*body.getCollisionShape())),
         swapped_(swapped),
         reports_(reports) {
-    if (!reports) add_manifold(*body.getCollisionObject(), *textured.getCollisionObject());
+    add_manifold(*body.getCollisionObject(), *textured.getCollisionObject());
   }
   ~SurfaceAlgorithm() override {
     for (std::size_t k = 0; k < manifold_count_; ++k) m_dispatcher->releaseManifold(manifolds_[k]);
@@ -91,9 +91,10 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
                          to_bullet(Vec3(approach.pose.position + away)));
   }
 
-  // For contactTest and its kin: the result wants points, not a manifold.
+  // For contactTest and its kin, who collect the points themselves. B is who is second in the manifold.
   void report(const TexturedShape& shape, const btCollisionObjectWrapper& body,
               const btCollisionObjectWrapper& textured, btManifoldResult& result) const {
+    result.setPersistentManifold(manifolds_[0]);
     const btTransform& frame = textured.getWorldTransform();
     const Pose pose = from_bullet(frame.inverseTimes(body.getWorldTransform()));
     for (const contact::ContactPoint& c :
@@ -101,12 +102,7 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
       const btVector3 normal = frame.getBasis() * to_bullet(c.normal);
       const btVector3 on_surface = frame(to_bullet(c.point));
       const auto distance = static_cast<btScalar>(c.distance);
-      // Bullet wants the point on B and the normal from B to A.
-      if (swapped_) {
-        result.addContactPoint(-normal, on_surface + normal * distance, distance);
-      } else {
-        result.addContactPoint(normal, on_surface, distance);
-      }
+      result.addContactPoint(normal, on_surface, distance);
     }
   }
 

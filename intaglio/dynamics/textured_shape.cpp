@@ -25,7 +25,7 @@ TexturedShape::TexturedShape(std::shared_ptr<const surface::Surface> surface, co
   high_ = -low_;
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 local((corner & 1) != 0 ? place.size_u() : 0, (corner & 2) != 0 ? place.size_v() : 0,
-                     (corner & 4) != 0 ? -relief_->max_depth() : 0);
+                     (corner & 4) != 0 ? -relief_->max_depth() - look_ahead_ : 0);
     const btVector3 at = to_bullet(place.to_world(local));
     low_.setMin(at);
     high_.setMax(at);
@@ -52,10 +52,11 @@ void TexturedShape::getAabb(const btTransform& t, btVector3& low, btVector3& hig
 }
 
 void TexturedShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const {
-  btVector3 size = high_ - low_;
-  size.setMax(size / 100);
-  const btScalar least = btScalar(0.01) * size[size.maxAxis()];
-  size.setMax({least, least, least});
+  const surface::Placement& place = relief_->placement();
+  const double least = 0.01 * std::max(place.size_u(), place.size_v());
+  const btVector3 size =
+      to_bullet(place.size_u() * place.t().cwiseAbs() + place.size_v() * place.b().cwiseAbs() +
+                std::max(least, relief_->max_depth()) * place.n().cwiseAbs());
   const btVector3 s2 = size * size;
   inertia.setValue(s2.y() + s2.z(), s2.x() + s2.z(), s2.x() + s2.y());
   inertia *= mass / 12;

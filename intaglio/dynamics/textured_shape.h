@@ -38,7 +38,8 @@ class TexturedShape : public btConcaveShape {
 
   // Where a body that is at `pose` in this shape's frame touches it, or will within `margin` metres.
   contact::ContactSet contacts(const contact::Shape& body, const Pose& pose, double margin) const;
-  // How far ahead contacts may be asked for, metres: bodies farther off are not looked at.
+  // How far ahead contacts may be asked for, metres: bodies farther off are not looked at. A body that is
+  // wholly under the relief is lifted out of it from as far down.
   double look_ahead() const { return look_ahead_; }
   bool is_near(const btVector3& low, const btVector3& high) const;
 
@@ -57,7 +58,7 @@ class TexturedShape : public btConcaveShape {
   Vec2 mean_slope_ = Vec2::Zero();
   ContactOptions options_;
   double look_ahead_;
-  btVector3 low_, high_;  // of the relief, in this shape's frame
+  btVector3 low_, high_;  // of the relief and of where bodies are lifted from, in this shape's frame
   btVector3 scaling_{1, 1, 1};
 };
 

@@ -74,6 +74,7 @@ int World::State::substeps() const {
 void World::step() {
   State& s = *state_;
   s.events.clear();
+  for (State::Body& body : s.bodies) body.status &= ~slowed;
   const int count = s.substeps();
   const double dt = s.options.step / count;
   for (int k = 0; k < count; ++k) s.advance(dt);

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "intaglio/contact/contact_point.h"
 #include "intaglio/contact/shape.h"
 #include "intaglio/core/event.h"
 #include "intaglio/core/material.h"

@@ -138,7 +138,6 @@ BodyId World::State::add(const ShapeBody& body) {
 
 // A body that would move farther in a substep than contacts can be asked for is slowed to that.
 void World::State::slow(Body& body) const {
-  body.status &= ~slowed;
   if (!body.is_moving()) return;
   const double fastest = options.most_substeps * floor_shape.look_ahead() / options.step;
   const double speed = static_cast<double>(body.rigid->getLinearVelocity().length());
