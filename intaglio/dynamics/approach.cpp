@@ -61,14 +61,29 @@ Pose Approach::predicted(const contact::ContactSet& contacts) const {
 
 namespace {
 
+// What the body would be in by more than `slack`. Of a ball, a smaller one is asked: mostly it touches nothing,
+// and that is found out sooner than what a whole one touches.
+contact::ContactSet deep_contacts(const TexturedShape& shape, const contact::Shape& body, const Pose& pose,
+                                  double slack) {
+  contact::ContactSet out;
+  const auto* ball = std::get_if<contact::Sphere>(&body);
+  const bool shrinks = ball != nullptr && ball->radius > 2 * slack;
+  const contact::ContactSet all =
+      shape.contacts(shrinks ? contact::Shape(contact::Sphere{ball->radius - slack}) : body, pose, 0);
+  for (contact::ContactPoint c : all) {
+    if (shrinks) c.distance -= slack;
+    if (c.distance < -slack) out.points[out.count++] = c;
+  }
+  return out;
+}
+
 // Adds what the body would be in at the end of the step; whether there was any.
 bool add_met(const TexturedShape& shape, const contact::Shape& body, const Approach& approach, double slack,
              contact::ContactSet& contacts) {
   const Pose later = approach.predicted(contacts);
   const std::size_t before = contacts.count;
-  for (contact::ContactPoint c : shape.contacts(body, later, 0)) {
+  for (contact::ContactPoint c : deep_contacts(shape, body, later, slack)) {
     if (contacts.count == contact::ContactSet::capacity) break;
-    if (c.distance > -slack) continue;
     // The point of the body that would be inside, where it is now: how far before the plane that it meets?
     const Vec3 touching = approach.pose.to_world(later.to_local(c.point + c.distance * c.normal));
     c.distance = c.normal.dot(touching - c.point);
@@ -83,8 +98,8 @@ bool add_met(const TexturedShape& shape, const contact::Shape& body, const Appro
 contact::ContactSet contacts_ahead(const TexturedShape& shape, const contact::Shape& body,
                                    const Approach& approach, double slack) {
   const double travel = approach.travel();
-  contact::ContactSet now = shape.contacts(body, approach.pose, std::min(travel + slack, shape.look_ahead()));
   const double texel = std::min(shape.surface().texel_u(), shape.surface().texel_v());
+  contact::ContactSet now = shape.contacts(body, approach.pose, std::min({travel + slack, 0.02 * texel, shape.look_ahead()}));
   if (travel < 0.25 * texel || now.count == contact::ContactSet::capacity) return now;
   // What is added may turn the body into something else: look again, a few times.
   for (int round = 0; round < 3 && add_met(shape, body, approach, slack, now); ++round) continue;
