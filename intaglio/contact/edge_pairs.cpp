@@ -57,10 +57,11 @@ class EdgeSearch {
     const Vec3 apart = u / length2_ * along_ - away;
     const double d2 = apart.squaredNorm();
     // On the edge itself there is no direction; creases find that.
-    if (d2 > reach_ * reach_ || d2 < 1e-18 || !(apart.z() > 0)) return;
+    if (d2 > reach_ * reach_ || d2 < 1e-18 || apart.z() == 0) return;
     const double slope_x = -apart.x() / apart.z(), slope_y = -apart.y() / apart.z();
-    if (!leaf.is_summit(c, r, slope_x, slope_y, 0, 0)) return;
-    const double d = std::sqrt(d2);
+    // Inside of a polyhedron the faces answer for it.
+    if ((apart.z() < 0 && edge_.radius == 0) || !leaf.is_summit(c, r, slope_x, slope_y, 0, 0)) return;
+    const double d = std::copysign(std::sqrt(d2), apart.z());
     report(leaf, c, r, q, apart / d, d);
   }
 
@@ -165,7 +166,7 @@ class EdgeSearch {
 
   // Whether the body's normals at the edge hold -normal; then it is a contact.
   void report(const Leaf& leaf, int c, int r, const Vec3& q, const Vec3& normal, double distance) const {
-    if (distance < (edge_.radius > 0 ? 0 : -asked_.overlap)) return;
+    if (distance < -asked_.overlap) return;
     for (const Vec3& inward : edge_.inward) {
       if (normal.dot(inward) < -slack) return;
     }

@@ -6,7 +6,7 @@
 //   face of the body, relief corner inside: when no other face that is not turned up is nearer to that corner
 //                                           (convex), or not deeper than `overlap` (mesh);
 //   edge of the body and crease or patch:   not deeper than `overlap`, the greater of the margin and two
-//                                           texels. A round body's core is above the relief or not asked.
+//                                           texels; of a round body that much of the axis below the relief.
 // Each pair must be a least gap give or take slack.h: the common normal among the outer normals of both
 // features.
 #pragma once
@@ -43,8 +43,18 @@ struct StraightEdge {
 };
 void edge_pairs(const Asked& asked, const StraightEdge& edge);
 
+// The rim of a cylinder: a circle where the side meets the end with that outer normal.
+struct Rim {
+  Vec3 centre, normal;
+  double radius;
+  int index;
+};
+void rim_pairs(const Asked& asked, const Rim& rim);
+
 // Corners, edges and faces of a polyhedron, its vertices multiplied by `scale` first (a box is a scaled
 // cube).
 void polyhedron_pairs(const Asked& asked, const Polyhedron& form, const Vec3& scale, const Frame& frame);
+
+void cylinder_pairs(const Asked& asked, const Cylinder& cylinder, const Frame& frame);
 
 }  // namespace intaglio::contact

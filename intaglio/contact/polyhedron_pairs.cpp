@@ -2,9 +2,8 @@
 #include <cmath>
 #include <limits>
 
-#include "intaglio/contact/leaf_walk.h"
 #include "intaglio/contact/pairs.h"
-#include "intaglio/contact/slack.h"
+#include "intaglio/contact/side_pairs.h"
 
 namespace intaglio::contact {
 
@@ -70,42 +69,14 @@ class FaceSearch {
       high = high.cwiseMax(v);
     }
     if (low.z() > top + asked.found.limit()) return;
-    slope_x_ = -normal_.x() / normal_.z();
-    slope_y_ = -normal_.y() / normal_.z();
-    const Vec2 aside = Vec2::Constant(std::max(asked.found.limit(), asked.overlap));
-    for_each_leaf(
-        asked.surface, low.head<2>() - aside, high.head<2>() + aside, asked.found.limit(),
-        [this](const Vec3& q) {
-          return Tangent{normal_.dot(q) - offset_, normal_};
-        },
-        [this](int i, int j) { visit(Leaf(asked_.surface, i, j)); });
+    side_pairs(asked, {normal_, offset_, low.head<2>(), high.head<2>(), index},
+               [this](const Vec3& q, double distance) { return counts(q, distance); });
   }
 
  private:
-  void visit(const Leaf& leaf) {
-    const double slack_x = slope_slack(slope_x_ * slope_x_), slack_y = slope_slack(slope_y_ * slope_y_);
-    const double bend_x = -flat_bend * leaf.w, bend_y = -flat_bend * leaf.h;
-    for (int r = leaf.begin_r; r < leaf.end_r; ++r) {
-      for (int c = leaf.begin_c; c < leaf.end_c; ++c) {
-        const double z = leaf.at(c, r);
-        if (leaf.at(c - 1, r) + leaf.at(c + 1, r) - 2 * z > bend_x ||
-            leaf.at(c, r - 1) + leaf.at(c, r + 1) - 2 * z > bend_y)
-          continue;
-        if (leaf.is_summit(c, r, slope_x_, slope_y_, slack_x, slack_y)) summit(leaf, c, r);
-      }
-    }
-  }
-
-  void summit(const Leaf& leaf, int c, int r) {
-    const Vec3 q = leaf.texel(c, r);
-    const double distance = normal_.dot(q) - offset_;
-    if (!(distance <= asked_.found.limit())) return;
-    const bool counts = distance < 0 && body_.form.convex
-                            ? is_nearest(q, distance)
-                            : distance >= -asked_.overlap && is_under(q, distance);
-    if (!counts) return;
-    asked_.found.add(
-        {q, -normal_, distance, feature_id(leaf.i + c, leaf.j + r, Part::face, index_, asked_.child)});
+  bool counts(const Vec3& q, double distance) const {
+    if (distance < 0 && body_.form.convex) return is_nearest(q, distance);
+    return distance >= -asked_.overlap && is_under(q, distance);
   }
 
   // Whether a point inside of all faces that are turned up is nearer to none of the others.
@@ -135,7 +106,7 @@ class FaceSearch {
   const Polyhedron::Face& face_;
   int index_;
   Vec3 normal_;
-  double offset_ = 0, slope_x_ = 0, slope_y_ = 0;
+  double offset_ = 0;
 };
 
 void corner(const Asked& asked, const Placed& body, int index, double top) {

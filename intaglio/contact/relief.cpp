@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "intaglio/contact/extent_of.h"
+#include "intaglio/contact/lower_height.h"
 #include "intaglio/contact/pairs.h"
 #include "intaglio/contact/plane.h"
 #include "intaglio/contact/question.h"
@@ -32,26 +33,29 @@ struct PairsOf {
     edge_pairs(asked, {from, to, {}, s.radius, 0});
   }
   void operator()(const Box& s) const { polyhedron_pairs(asked, cube, s.half, frame); }
-  void operator()(const Cylinder&) const {}
+  void operator()(const Cylinder& s) const { cylinder_pairs(asked, s, frame); }
   void operator()(const ConvexHull& s) const { polyhedron_pairs(asked, *s.form, Vec3::Ones(), frame); }
   void operator()(const Mesh& s) const { polyhedron_pairs(asked, *s.form, Vec3::Ones(), frame); }
   void operator()(const Compound&) const {}
 };
 
-// The way out when there is no other: up, from under the relief over the body's origin.
+// The way out when there is no other: up, where a part's own origin is over or under the relief.
 void push_up(const Question& question, const Shape& shape, Candidates& found, unsigned& status) {
   const surface::Surface& surface = question.surface;
-  const Vec3& at = question.frame.origin;
-  if (!surface.placement().covers(at)) return;
-  const double relief = -surface.depth(surface.placement().uv(at));
-  if (!(at.z() < relief)) return;
-  const Extent body = extent_of(shape, question.frame);
-  const bool is_under = body.high < -surface.max_depth() * surface.pyramid().whole().deep;
-  status |= is_under ? status::under : status::deep;
-  // Farther down it is not in the surface any more but elsewhere.
-  if (relief - body.high > 2 * question.reach) return;
-  found.add(
-      {Vec3(at.x(), at.y(), relief), Vec3::UnitZ(), body.low - relief, feature_id(0, 0, Part::round, 0, 0)});
+  const Extent whole = extent_of(shape, question.frame);
+  const double lowest = -surface.max_depth() * surface.pyramid().whole().deep;
+  for_each_part(shape, question.frame, [&](const Shape& part, const Frame& frame, int child) {
+    const Vec3& at = frame.origin;
+    if (!surface.placement().covers(at)) return;
+    const double relief = -surface.depth(surface.placement().uv(at));
+    if (!(LowerHeight(part, frame).at(at.x(), at.y()) < relief)) return;
+    const Extent body = extent_of(part, frame);
+    status |= whole.high < lowest ? status::under : status::deep;
+    // Farther down it is not in the surface any more but elsewhere.
+    if (relief - body.high > 2 * question.reach) return;
+    found.add({Vec3(at.x(), at.y(), relief), Vec3::UnitZ(), body.low - relief,
+               feature_id(0, 0, Part::round, 0, child)});
+  });
 }
 
 }  // namespace
