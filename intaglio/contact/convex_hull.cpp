@@ -10,7 +10,7 @@ namespace intaglio::contact {
 
 namespace {
 
-const std::string what = "convex hull";
+constexpr const char* what = "convex hull";  // asked before main, too
 
 struct Triangle {
   std::array<int, 3> v;

@@ -1,7 +1,8 @@
 // The flat rectangle and the normal map on it.
+#include "intaglio/contact/plane.h"
+
 #include "intaglio/contact/collision_point.h"
 #include "intaglio/contact/feet.h"
-#include "intaglio/contact/relief.h"
 
 namespace intaglio::contact {
 
@@ -13,8 +14,10 @@ double deepest(const Foot& foot, double reach) {
   return foot.radius > 0 ? 2 * foot.radius : 2 * reach;
 }
 
+}  // namespace
+
 ContactSet plane_contacts(const surface::Surface& surface, const Shape& shape, const Pose& pose,
-                          double margin, bool mapped) {
+                          double margin) {
   ContactSet set;
   const Question question(surface, shape, pose, margin);
   set.status = question.wrong;
@@ -30,22 +33,13 @@ ContactSet plane_contacts(const surface::Surface& surface, const Shape& shape, c
   });
   if (found.overflowed()) set.status |= status::limit;
   found.choose(surface, set);
-  for (std::size_t k = 0; k < set.count; ++k) {
-    ContactPoint& contact = set.points[k];
-    if (mapped) {
-      contact.normal = contact.n_s;
-    } else {
-      contact.n_s = contact.normal;
-    }
-  }
   return set;
 }
 
-}  // namespace
-
 ContactSet normal_map_contacts(const surface::Surface& surface, const Shape& shape, const Pose& pose,
                                double margin) {
-  ContactSet set = plane_contacts(surface, shape, pose, margin, true);
+  ContactSet set = plane_contacts(surface, shape, pose, margin);
+  for (std::size_t k = 0; k < set.count; ++k) set.points[k].normal = set.points[k].n_s;
   // Of a ball the point moves along (Eq. 1.2); a corner stays where it is.
   if (const auto* sphere = std::get_if<Sphere>(&shape)) {
     for (std::size_t k = 0; k < set.count; ++k)
@@ -56,7 +50,9 @@ ContactSet normal_map_contacts(const surface::Surface& surface, const Shape& sha
 
 ContactSet flat_contacts(const surface::Surface& surface, const Shape& shape, const Pose& pose,
                          double margin) {
-  return plane_contacts(surface, shape, pose, margin, false);
+  ContactSet set = plane_contacts(surface, shape, pose, margin);
+  for (std::size_t k = 0; k < set.count; ++k) set.points[k].n_s = set.points[k].normal;
+  return set;
 }
 
 }  // namespace intaglio::contact

@@ -1,0 +1,190 @@
+// An edge of the body against corners, creases and patches of the relief.
+#include <algorithm>
+#include <cmath>
+
+#include "intaglio/contact/leaf_walk.h"
+#include "intaglio/contact/pairs.h"
+#include "intaglio/contact/slack.h"
+
+namespace intaglio::contact {
+
+namespace {
+
+class EdgeSearch {
+ public:
+  EdgeSearch(const Asked& asked, const StraightEdge& edge)
+      : asked_(asked),
+        edge_(edge),
+        along_(edge.b - edge.a),
+        length2_(along_.squaredNorm()),
+        reach_(edge.radius > 0 ? edge.radius + asked.found.limit()
+                               : std::max(asked.found.limit(), asked.overlap)) {}
+
+  void run() {
+    if (!(length2_ > 0) || std::min(edge_.a.z(), edge_.b.z()) > reach_) return;
+    const Vec3 low = edge_.a.cwiseMin(edge_.b) - Vec3::Constant(reach_),
+               high = edge_.a.cwiseMax(edge_.b) + Vec3::Constant(reach_);
+    for_each_leaf(
+        asked_.surface, low.head<2>(), high.head<2>(), reach_, [this](const Vec3& q) { return distance(q); },
+        [this](int i, int j) { visit(Leaf(asked_.surface, i, j)); });
+  }
+
+ private:
+  // From the segment.
+  Tangent distance(const Vec3& q) const {
+    const Vec3 away = q - edge_.a;
+    const double u = std::min(std::max(along_.dot(away) / length2_, 0.0), 1.0);
+    const Vec3 apart = away - u * along_;
+    const double d = apart.norm();
+    return {d, d > 0 ? Vec3(apart / d) : Vec3::Zero().eval()};
+  }
+
+  void visit(const Leaf& leaf) const {
+    for (int r = leaf.begin_r; r < leaf.end_r; ++r) {
+      for (int c = leaf.begin_c; c < leaf.end_c; ++c) {
+        corner(leaf, c, r);
+        if (c < leaf.last_c) crease_x(leaf, c, r);
+        if (r < leaf.last_r) crease_y(leaf, c, r);
+        if (c < leaf.last_c && r < leaf.last_r) patch(leaf, c, r);
+      }
+    }
+  }
+
+  void corner(const Leaf& leaf, int c, int r) const {
+    const Vec3 q = leaf.texel(c, r), away = q - edge_.a;
+    const double u = along_.dot(away);
+    if (u <= 0 || u >= length2_) return;
+    const Vec3 apart = u / length2_ * along_ - away;
+    const double d2 = apart.squaredNorm();
+    // On the edge itself there is no direction; creases find that.
+    if (d2 > reach_ * reach_ || d2 < 1e-18 || apart.z() == 0) return;
+    const double slope_x = -apart.x() / apart.z(), slope_y = -apart.y() / apart.z();
+    // Inside of a polyhedron the faces answer for it.
+    if ((apart.z() < 0 && edge_.radius == 0) || !leaf.is_summit(c, r, slope_x, slope_y, 0, 0)) return;
+    const double d = std::copysign(std::sqrt(d2), apart.z());
+    report(leaf, c, r, q, apart / d, d);
+  }
+
+  // From texel (c, r) to the next along x.
+  void crease_x(const Leaf& leaf, int c, int r) const {
+    const Vec3 q = leaf.texel(c, r), crease(leaf.w, 0, leaf.at(c + 1, r) - leaf.at(c, r));
+    double u, t;
+    Vec3 normal;
+    if (!cross(q, crease, u, t, normal)) return;
+    const auto slope = [&](int row) {
+      return ((1 - t) * leaf.at(c, row) + t * leaf.at(c + 1, row) - q.z() - t * crease.z()) / leaf.h;
+    };
+    const double behind = -slope(r - 1), ahead = slope(r + 1);
+    if (!is_ridge(behind, ahead, -normal.y() / normal.z())) return;
+    meet(leaf, c, r, q + t * crease, u, normal);
+  }
+  void crease_y(const Leaf& leaf, int c, int r) const {
+    const Vec3 q = leaf.texel(c, r), crease(0, leaf.h, leaf.at(c, r + 1) - leaf.at(c, r));
+    double u, t;
+    Vec3 normal;
+    if (!cross(q, crease, u, t, normal)) return;
+    const auto slope = [&](int column) {
+      return ((1 - t) * leaf.at(column, r) + t * leaf.at(column, r + 1) - q.z() - t * crease.z()) / leaf.w;
+    };
+    const double behind = -slope(c - 1), ahead = slope(c + 1);
+    if (!is_ridge(behind, ahead, -normal.x() / normal.z())) return;
+    meet(leaf, c, r, q + t * crease, u, normal);
+  }
+
+  // The common perpendicular, pointing up, where both lines are within their ends.
+  bool cross(const Vec3& q, const Vec3& crease, double& u, double& t, Vec3& normal) const {
+    normal = along_.cross(crease);
+    if (normal.z() < 0) normal = -normal;
+    const double norm2 = normal.squaredNorm();
+    if (!(normal.z() * normal.z() > 1e-12 * norm2) || norm2 < 1e-20 * length2_ * crease.squaredNorm())
+      return false;
+    const Vec3 away = q - edge_.a, turned = along_.cross(crease);
+    u = away.cross(crease).dot(turned) / norm2;
+    t = away.cross(along_).dot(turned) / norm2;
+    return u >= 0 && u <= 1 && t >= 0 && t <= 1;
+  }
+  // Whether a slope lies between those behind and ahead of a crease that points up.
+  bool is_ridge(double behind, double ahead, double slope) const {
+    const double more = edge_.radius > 0 ? 0 : slope_slack(slope * slope);
+    return behind - ahead > flat_bend && slope <= behind + more && slope >= ahead - more;
+  }
+  void meet(const Leaf& leaf, int c, int r, const Vec3& q, double u, const Vec3& upward) const {
+    const Vec3 normal = upward.normalized();
+    report(leaf, c, r, q, normal, (edge_.a + u * along_ - q).dot(normal));
+  }
+
+  // The inside of a patch: where its normal is square to the edge and points at it. Square it is on a
+  // straight line of (s, t); along that, the sign of the volume of edge, normal and what is between them
+  // changes.
+  void patch(const Leaf& leaf, int c, int r) const {
+    const double z = leaf.at(c, r), a = leaf.at(c + 1, r) - z, b = leaf.at(c, r + 1) - z,
+                 twist = leaf.at(c + 1, r + 1) - z - a - b;
+    const double ex = along_.x() / leaf.w, ey = along_.y() / leaf.h;
+    if (!(edge_.radius > 0 ? twist * ex * ey != 0 : twist * ex * ey < 0)) return;
+    const double g = along_.z() - a * ex - b * ey, g_s = -twist * ey, g_t = -twist * ex;
+    const double low = g + std::min(g_s, 0.0) + std::min(g_t, 0.0),
+                 high = g + std::max(g_s, 0.0) + std::max(g_t, 0.0);
+    if (!(low < 0 && high > 0)) return;
+    const Vec3 first = leaf.texel(c, r) - edge_.a;
+    const bool by_t = std::abs(g_s) > std::abs(g_t);
+    // Which stretch of the free coordinate keeps the other within 0..1.
+    const double slope = by_t ? -g_t / g_s : -g_s / g_t, start = by_t ? -g / g_s : -g / g_t;
+    double from = 0, to = 1;
+    if (slope != 0) {
+      const double x = -start / slope, y = (1 - start) / slope;
+      from = std::max(from, std::min(x, y));
+      to = std::min(to, std::max(x, y));
+    }
+    if (!(from < to)) return;
+    Vec3 q, normal;
+    const auto volume = [&](double free) {
+      const double s = by_t ? start + slope * free : free, t = by_t ? free : start + slope * free;
+      q = first + Vec3(s * leaf.w, t * leaf.h, s * a + t * b + s * t * twist);
+      normal = Vec3(-(a + t * twist) / leaf.w, -(b + s * twist) / leaf.h, 1);
+      return q.dot(along_.cross(normal));
+    };
+    double f_from = volume(from), f_to = volume(to);
+    if ((f_from < 0) == (f_to < 0)) return;
+    for (int round = 0; round < 60 && std::abs(to - from) > 1e-12; ++round) {  // regula falsi, Illinois
+      const double at = to - f_to * (to - from) / (f_to - f_from);
+      const double f = volume(at);
+      if (f == 0) break;
+      if ((f < 0) == (f_to < 0)) {
+        f_from *= 0.5;
+      } else {
+        from = to;
+        f_from = f_to;
+      }
+      if (std::abs(at - to) < 1e-13) break;
+      to = at;
+      f_to = f;
+    }
+    normal.normalize();
+    const double gap = -q.dot(normal), u = along_.dot(q + gap * normal) / length2_;
+    if (u > 0 && u < 1) report(leaf, c, r, edge_.a + q, normal, gap);
+  }
+
+  // Whether the body's normals at the edge hold -normal; then it is a contact.
+  void report(const Leaf& leaf, int c, int r, const Vec3& q, const Vec3& normal, double distance) const {
+    if (distance < -asked_.overlap) return;
+    for (const Vec3& inward : edge_.inward) {
+      if (normal.dot(inward) < -slack) return;
+    }
+    if (!asked_.surface.placement().covers(q)) return;
+    asked_.found.add({q, normal, distance - edge_.radius,
+                      feature_id(leaf.i + c, leaf.j + r, Part::edge, edge_.index, asked_.child)});
+  }
+
+  const Asked& asked_;
+  const StraightEdge& edge_;
+  Vec3 along_;
+  double length2_, reach_;
+};
+
+}  // namespace
+
+void edge_pairs(const Asked& asked, const StraightEdge& edge) {
+  EdgeSearch(asked, edge).run();
+}
+
+}  // namespace intaglio::contact

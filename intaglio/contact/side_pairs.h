@@ -1,0 +1,50 @@
+// A flat side of the body against the corners of the relief. Internal to contact/.
+#pragma once
+
+#include "intaglio/contact/leaf_walk.h"
+#include "intaglio/contact/pairs.h"
+#include "intaglio/contact/slack.h"
+
+namespace intaglio::contact {
+
+struct Side {
+  Vec3 normal;  // unit, outwards, down
+  double offset;
+  Vec2 low, high;  // of its corners, in plan
+  int index;
+};
+
+// inside(q, distance) says whether a corner of the relief at that distance from the plane counts.
+template <class Inside>
+void side_pairs(const Asked& asked, const Side& side, const Inside& inside) {
+  const Vec3& n = side.normal;
+  const double slope_x = -n.x() / n.z(), slope_y = -n.y() / n.z();
+  const double slack_x = slope_slack(slope_x * slope_x), slack_y = slope_slack(slope_y * slope_y);
+  const Vec2 aside = Vec2::Constant(std::max(asked.found.limit(), asked.overlap));
+  const auto visit = [&](int i, int j) {
+    const Leaf leaf(asked.surface, i, j);
+    const double bend_x = -flat_bend * leaf.w, bend_y = -flat_bend * leaf.h;
+    for (int r = leaf.begin_r; r < leaf.end_r; ++r) {
+      for (int c = leaf.begin_c; c < leaf.end_c; ++c) {
+        const double z = leaf.at(c, r);
+        if (leaf.at(c - 1, r) + leaf.at(c + 1, r) - 2 * z > bend_x ||
+            leaf.at(c, r - 1) + leaf.at(c, r + 1) - 2 * z > bend_y ||
+            !leaf.is_summit(c, r, slope_x, slope_y, slack_x, slack_y))
+          continue;
+        const Vec3 q = leaf.texel(c, r);
+        const double distance = n.dot(q) - side.offset;
+        if (distance <= asked.found.limit() && inside(q, distance))
+          asked.found.add(
+              {q, -n, distance, feature_id(leaf.i + c, leaf.j + r, Part::face, side.index, asked.child)});
+      }
+    }
+  };
+  for_each_leaf(
+      asked.surface, side.low - aside, side.high + aside, asked.found.limit(),
+      [&](const Vec3& q) {
+        return Tangent{n.dot(q) - side.offset, n};
+      },
+      visit);
+}
+
+}  // namespace intaglio::contact
