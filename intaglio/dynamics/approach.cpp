@@ -61,8 +61,8 @@ Pose Approach::predicted(const contact::ContactSet& contacts) const {
 
 namespace {
 
-// What the body would be in by more than `slack`. Of a ball, a smaller one is asked: mostly it touches nothing,
-// and that is found out sooner than what a whole one touches.
+// What the body would be in by more than `slack`. Of a ball, a smaller one is asked: mostly it touches
+// nothing, and that is found out sooner than what a whole one touches.
 contact::ContactSet deep_contacts(const TexturedShape& shape, const contact::Shape& body, const Pose& pose,
                                   double slack) {
   contact::ContactSet out;
@@ -87,7 +87,7 @@ bool add_met(const TexturedShape& shape, const contact::Shape& body, const Appro
     // The point of the body that would be inside, where it is now: how far before the plane that it meets?
     const Vec3 touching = approach.pose.to_world(later.to_local(c.point + c.distance * c.normal));
     c.distance = c.normal.dot(touching - c.point);
-    if (c.distance < -slack) continue;  // behind the plane already: it goes around, not through
+    c.distance = std::max(c.distance, 0.0);
     contacts.points[contacts.count++] = c;
   }
   return contacts.count > before;
@@ -99,7 +99,10 @@ contact::ContactSet contacts_ahead(const TexturedShape& shape, const contact::Sh
                                    const Approach& approach, double slack) {
   const double travel = approach.travel();
   const double texel = std::min(shape.surface().texel_u(), shape.surface().texel_v());
-  contact::ContactSet now = shape.contacts(body, approach.pose, std::min({travel + slack, 0.02 * texel, shape.look_ahead()}));
+  // The wider the margin the longer the search, and what lies ahead is found by looking there. Only who moves
+  // so far that it could end up behind the surface looks all the way.
+  const double margin = travel < 0.5 * approach.reach ? std::min(travel + slack, 0.3 * texel) : travel;
+  contact::ContactSet now = shape.contacts(body, approach.pose, std::min(margin, shape.look_ahead()));
   if (travel < 0.25 * texel || now.count == contact::ContactSet::capacity) return now;
   // What is added may turn the body into something else: look again, a few times.
   for (int round = 0; round < 3 && add_met(shape, body, approach, slack, now); ++round) continue;

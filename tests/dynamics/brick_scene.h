@@ -62,9 +62,9 @@ inline dynamics::WorldOptions options(int rate) {
   return out;
 }
 
-inline dynamics::World world(std::shared_ptr<const surface::Surface> s, int rate,
+inline dynamics::World world(std::shared_ptr<const surface::Surface> s, const dynamics::WorldOptions& options,
                              const std::vector<dynamics::SphereBody>& bodies) {
-  dynamics::World out(std::move(s), material(), options(rate));
+  dynamics::World out(std::move(s), material(), options);
   for (const dynamics::SphereBody& body : bodies) out.add(body);
   return out;
 }
