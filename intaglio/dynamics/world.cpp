@@ -62,13 +62,13 @@ World::World(World&&) noexcept = default;
 // So many that no body moves farther in one than two texels, or a part of its own size where texels are
 // small.
 int World::State::substeps() const {
-  const double texels = 2 * std::min(surface->texel_u(), surface->texel_v());
+  const double texel = std::min(surface->texel_u(), surface->texel_v());
   double most = 1;
   for (const Body& body : bodies) {
     if (!body.is_moving()) continue;
     const double speed =
         static_cast<double>(body.rigid->getLinearVelocity().length()) + options.gravity.norm() * options.step;
-    const double stride = std::min(body.reach, std::max(texels, 0.15 * body.reach));
+    const double stride = std::min(body.reach, std::max(texel, 0.075 * body.reach));
     most = std::max(most, std::ceil(speed * options.step / stride));
   }
   return static_cast<int>(std::min(most, static_cast<double>(options.most_substeps)));

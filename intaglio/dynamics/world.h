@@ -3,7 +3,7 @@
 // Fixed steps, deterministic: the same bodies and steps give the same motion. Not thread-safe; one thread at
 // a time. Cost of a step: about 3 us a body for Bullet itself, plus the contact query of its representation
 // (docs/contact-bench.md). Bullet computes in 32-bit floats: keep the scene within some metres of the origin.
-// A body that moves farther than two texels in a step makes the world take smaller ones inside.
+// A body that moves farther than a texel in a step makes the world take smaller ones inside.
 #pragma once
 
 #include <memory>
