@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "intaglio/contact/leaf_walk.h"
 #include "intaglio/contact/pairs.h"
+#include "intaglio/contact/rod.h"
 #include "intaglio/contact/slack.h"
 
 namespace intaglio::contact {
@@ -17,37 +17,16 @@ class EdgeSearch {
         edge_(edge),
         along_(edge.b - edge.a),
         length2_(along_.squaredNorm()),
-        reach_(edge.radius > 0 ? edge.radius + asked.found.limit()
-                               : std::max(asked.found.limit(), asked.overlap)) {}
+        rod_(edge.a, edge.b, edge.radius + asked.found.limit(), asked.overlap) {}
 
   void run() {
-    if (!(length2_ > 0) || std::min(edge_.a.z(), edge_.b.z()) > reach_) return;
-    const Vec3 low = edge_.a.cwiseMin(edge_.b) - Vec3::Constant(reach_),
-               high = edge_.a.cwiseMax(edge_.b) + Vec3::Constant(reach_);
+    if (!(length2_ > 0) || std::min(edge_.a.z(), edge_.b.z()) > rod_.reach()) return;
     for_each_leaf(
-        asked_.surface, low.head<2>(), high.head<2>(), reach_, [this](const Vec3& q) { return distance(q); },
-        [this](int i, int j) { visit(Leaf(asked_.surface, i, j)); });
-  }
-
- private:
-  // From the segment.
-  Tangent distance(const Vec3& q) const {
-    const Vec3 away = q - edge_.a;
-    const double u = std::min(std::max(along_.dot(away) / length2_, 0.0), 1.0);
-    const Vec3 apart = away - u * along_;
-    const double d = apart.norm();
-    return {d, d > 0 ? Vec3(apart / d) : Vec3::Zero().eval()};
-  }
-
-  void visit(const Leaf& leaf) const {
-    for (int r = leaf.begin_r; r < leaf.end_r; ++r) {
-      for (int c = leaf.begin_c; c < leaf.end_c; ++c) {
-        corner(leaf, c, r);
-        if (c < leaf.last_c) crease_x(leaf, c, r);
-        if (r < leaf.last_r) crease_y(leaf, c, r);
-        if (c < leaf.last_c && r < leaf.last_r) patch(leaf, c, r);
-      }
-    }
+        asked_.surface, rod_.low(), rod_.high(), [this](const Piece& piece) { return rod_.may_meet(piece); },
+        [this](int i, int j) {
+          const Leaf leaf(asked_.surface, i, j);
+          search_leaf(*this, leaf, texels_up(leaf, rod_));
+        });
   }
 
   void corner(const Leaf& leaf, int c, int r) const {
@@ -57,7 +36,7 @@ class EdgeSearch {
     const Vec3 apart = u / length2_ * along_ - away;
     const double d2 = apart.squaredNorm();
     // On the edge itself there is no direction; creases find that.
-    if (d2 > reach_ * reach_ || d2 < 1e-18 || apart.z() == 0) return;
+    if (d2 > rod_.reach() * rod_.reach() || d2 < 1e-18 || apart.z() == 0) return;
     const double slope_x = -apart.x() / apart.z(), slope_y = -apart.y() / apart.z();
     // Inside of a polyhedron the faces answer for it.
     if ((apart.z() < 0 && edge_.radius == 0) || !leaf.is_summit(c, r, slope_x, slope_y, 0, 0)) return;
@@ -89,28 +68,6 @@ class EdgeSearch {
     const double behind = -slope(c - 1), ahead = slope(c + 1);
     if (!is_ridge(behind, ahead, -normal.x() / normal.z())) return;
     meet(leaf, c, r, q + t * crease, u, normal);
-  }
-
-  // The common perpendicular, pointing up, where both lines are within their ends.
-  bool cross(const Vec3& q, const Vec3& crease, double& u, double& t, Vec3& normal) const {
-    normal = along_.cross(crease);
-    if (normal.z() < 0) normal = -normal;
-    const double norm2 = normal.squaredNorm();
-    if (!(normal.z() * normal.z() > 1e-12 * norm2) || norm2 < 1e-20 * length2_ * crease.squaredNorm())
-      return false;
-    const Vec3 away = q - edge_.a, turned = along_.cross(crease);
-    u = away.cross(crease).dot(turned) / norm2;
-    t = away.cross(along_).dot(turned) / norm2;
-    return u >= 0 && u <= 1 && t >= 0 && t <= 1;
-  }
-  // Whether a slope lies between those behind and ahead of a crease that points up.
-  bool is_ridge(double behind, double ahead, double slope) const {
-    const double more = edge_.radius > 0 ? 0 : slope_slack(slope * slope);
-    return behind - ahead > flat_bend && slope <= behind + more && slope >= ahead - more;
-  }
-  void meet(const Leaf& leaf, int c, int r, const Vec3& q, double u, const Vec3& upward) const {
-    const Vec3 normal = upward.normalized();
-    report(leaf, c, r, q, normal, (edge_.a + u * along_ - q).dot(normal));
   }
 
   // The inside of a patch: where its normal is square to the edge and points at it. Square it is on a
@@ -164,6 +121,29 @@ class EdgeSearch {
     if (u > 0 && u < 1) report(leaf, c, r, edge_.a + q, normal, gap);
   }
 
+ private:
+  // The common perpendicular, pointing up, where both lines are within their ends.
+  bool cross(const Vec3& q, const Vec3& crease, double& u, double& t, Vec3& normal) const {
+    normal = along_.cross(crease);
+    if (normal.z() < 0) normal = -normal;
+    const double norm2 = normal.squaredNorm();
+    if (!(normal.z() * normal.z() > 1e-12 * norm2) || norm2 < 1e-20 * length2_ * crease.squaredNorm())
+      return false;
+    const Vec3 away = q - edge_.a, turned = along_.cross(crease);
+    u = away.cross(crease).dot(turned) / norm2;
+    t = away.cross(along_).dot(turned) / norm2;
+    return u >= 0 && u <= 1 && t >= 0 && t <= 1;
+  }
+  // Whether a slope lies between those behind and ahead of a crease that points up.
+  bool is_ridge(double behind, double ahead, double slope) const {
+    const double more = edge_.radius > 0 ? 0 : slope_slack(slope * slope);
+    return behind - ahead > flat_bend && slope <= behind + more && slope >= ahead - more;
+  }
+  void meet(const Leaf& leaf, int c, int r, const Vec3& q, double u, const Vec3& upward) const {
+    const Vec3 normal = upward.normalized();
+    report(leaf, c, r, q, normal, (edge_.a + u * along_ - q).dot(normal));
+  }
+
   // Whether the body's normals at the edge hold -normal; then it is a contact.
   void report(const Leaf& leaf, int c, int r, const Vec3& q, const Vec3& normal, double distance) const {
     if (distance < -asked_.overlap) return;
@@ -178,7 +158,8 @@ class EdgeSearch {
   const Asked& asked_;
   const StraightEdge& edge_;
   Vec3 along_;
-  double length2_, reach_;
+  double length2_;
+  Rod rod_;
 };
 
 }  // namespace

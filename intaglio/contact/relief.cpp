@@ -68,7 +68,7 @@ ContactSet relief_contacts(const surface::Surface& surface, const Shape& shape, 
   set.status = question.wrong;
   if (question.hopeless) return set;
   Candidates found(question.margin);
-  const double overlap = std::max(question.margin, 2 * std::max(surface.texel_u(), surface.texel_v()));
+  const double overlap = std::max(question.margin, std::max(surface.texel_u(), surface.texel_v()));
   set.status |= for_each_part(shape, question.frame, [&](const Shape& part, const Frame& frame, int child) {
     const Asked asked{surface, child, overlap, found};
     std::visit(PairsOf{asked, frame}, part);

@@ -40,9 +40,9 @@ void side_pairs(const Asked& asked, const Side& side, const Inside& inside) {
     }
   };
   for_each_leaf(
-      asked.surface, side.low - aside, side.high + aside, asked.found.limit(),
-      [&](const Vec3& q) {
-        return Tangent{n.dot(q) - side.offset, n};
+      asked.surface, side.low - aside, side.high + aside,
+      [&](const Piece& piece) {
+        return piece.least({n.dot(piece.middle) - side.offset, n}) <= asked.found.limit();
       },
       visit);
 }
