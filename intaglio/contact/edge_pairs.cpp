@@ -46,28 +46,21 @@ class EdgeSearch {
 
   // From texel (c, r) to the next along x.
   void crease_x(const Leaf& leaf, int c, int r) const {
-    const Vec3 q = leaf.texel(c, r), crease(leaf.w, 0, leaf.at(c + 1, r) - leaf.at(c, r));
-    double u, t;
-    Vec3 normal;
-    if (!cross(q, crease, u, t, normal)) return;
-    const auto slope = [&](int row) {
-      return ((1 - t) * leaf.at(c, row) + t * leaf.at(c + 1, row) - q.z() - t * crease.z()) / leaf.h;
-    };
-    const double behind = -slope(r - 1), ahead = slope(r + 1);
-    if (!is_ridge(behind, ahead, -normal.y() / normal.z())) return;
-    meet(leaf, c, r, q + t * crease, u, normal);
+    const double z = leaf.at(c, r), slope_x = (leaf.at(c + 1, r) - z) / leaf.w;
+    // Of the plane that holds both directions.
+    const double slope_y = (along_.z() - along_.x() * slope_x) / along_.y();
+    const Across first{z - leaf.at(c, r - 1), leaf.at(c, r + 1) - z},
+        second{leaf.at(c + 1, r) - leaf.at(c + 1, r - 1), leaf.at(c + 1, r + 1) - leaf.at(c + 1, r)};
+    if (is_ridge(first, second, slope_y, leaf.h) && is_outward(slope_x, slope_y))
+      cross(leaf, c, r, Vec3(leaf.w, 0, leaf.at(c + 1, r) - z), first, second, slope_y, leaf.h);
   }
   void crease_y(const Leaf& leaf, int c, int r) const {
-    const Vec3 q = leaf.texel(c, r), crease(0, leaf.h, leaf.at(c, r + 1) - leaf.at(c, r));
-    double u, t;
-    Vec3 normal;
-    if (!cross(q, crease, u, t, normal)) return;
-    const auto slope = [&](int column) {
-      return ((1 - t) * leaf.at(column, r) + t * leaf.at(column, r + 1) - q.z() - t * crease.z()) / leaf.w;
-    };
-    const double behind = -slope(c - 1), ahead = slope(c + 1);
-    if (!is_ridge(behind, ahead, -normal.x() / normal.z())) return;
-    meet(leaf, c, r, q + t * crease, u, normal);
+    const double z = leaf.at(c, r), slope_y = (leaf.at(c, r + 1) - z) / leaf.h;
+    const double slope_x = (along_.z() - along_.y() * slope_y) / along_.x();
+    const Across first{z - leaf.at(c - 1, r), leaf.at(c + 1, r) - z},
+        second{leaf.at(c, r + 1) - leaf.at(c - 1, r + 1), leaf.at(c + 1, r + 1) - leaf.at(c, r + 1)};
+    if (is_ridge(first, second, slope_x, leaf.w) && is_outward(slope_x, slope_y))
+      cross(leaf, c, r, Vec3(0, leaf.h, leaf.at(c, r + 1) - z), first, second, slope_x, leaf.w);
   }
 
   // The inside of a patch: where its normal is square to the edge and points at it. Square it is on a
@@ -122,29 +115,43 @@ class EdgeSearch {
   }
 
  private:
+  // How the relief rises across a crease at one of its ends, from behind and ahead, a cell each.
+  struct Across {
+    double behind, ahead;
+  };
+
+  // Whether a crease may point up and hold a slope across it, somewhere between its ends. False, too, where
+  // edge and crease are parallel: the slope is infinite or no number.
+  bool is_ridge(const Across& a, const Across& b, double slope, double size) const {
+    const double behind = std::max(a.behind, b.behind), ahead = std::min(a.ahead, b.ahead);
+    const double more = edge_.radius > 0 ? 0 : slope_slack(slope * slope) * size;
+    return behind - ahead > flat_bend * size && slope * size <= behind + more && slope * size >= ahead - more;
+  }
+  // Whether the body's normals at the edge hold the relief's normal of these slopes, turned round.
+  bool is_outward(double slope_x, double slope_y) const {
+    const Vec3 upward(-slope_x, -slope_y, 1);
+    return std::all_of(edge_.inward.begin(), edge_.inward.end(), [&](const Vec3& inward) {
+      const double sine = upward.dot(inward);
+      return sine >= 0 || sine * sine <= slack * slack * upward.squaredNorm();
+    });
+  }
   // The common perpendicular, pointing up, where both lines are within their ends.
-  bool cross(const Vec3& q, const Vec3& crease, double& u, double& t, Vec3& normal) const {
-    normal = along_.cross(crease);
-    if (normal.z() < 0) normal = -normal;
-    const double norm2 = normal.squaredNorm();
-    if (!(normal.z() * normal.z() > 1e-12 * norm2) || norm2 < 1e-20 * length2_ * crease.squaredNorm())
-      return false;
-    const Vec3 away = q - edge_.a, turned = along_.cross(crease);
-    u = away.cross(crease).dot(turned) / norm2;
-    t = away.cross(along_).dot(turned) / norm2;
-    return u >= 0 && u <= 1 && t >= 0 && t <= 1;
-  }
-  // Whether a slope lies between those behind and ahead of a crease that points up.
-  bool is_ridge(double behind, double ahead, double slope) const {
-    const double more = edge_.radius > 0 ? 0 : slope_slack(slope * slope);
-    return behind - ahead > flat_bend && slope <= behind + more && slope >= ahead - more;
-  }
-  void meet(const Leaf& leaf, int c, int r, const Vec3& q, double u, const Vec3& upward) const {
-    const Vec3 normal = upward.normalized();
-    report(leaf, c, r, q, normal, (edge_.a + u * along_ - q).dot(normal));
+  void cross(const Leaf& leaf, int c, int r, const Vec3& crease, const Across& first, const Across& second,
+             double slope, double size) const {
+    const Vec3 turned = along_.cross(crease);
+    const double norm2 = turned.squaredNorm();
+    if (!(turned.z() * turned.z() > 1e-12 * norm2) || norm2 < 1e-20 * length2_ * crease.squaredNorm()) return;
+    const Vec3 q = leaf.texel(c, r), away = q - edge_.a;
+    const double u = away.cross(crease).dot(turned) / norm2, t = away.cross(along_).dot(turned) / norm2;
+    if (!(u >= 0 && u <= 1 && t >= 0 && t <= 1)) return;
+    const Across there{first.behind + t * (second.behind - first.behind),
+                       first.ahead + t * (second.ahead - first.ahead)};
+    if (!is_ridge(there, there, slope, size)) return;
+    const Vec3 normal = std::copysign(1 / std::sqrt(norm2), turned.z()) * turned, on = q + t * crease;
+    report(leaf, c, r, on, normal, (edge_.a + u * along_ - on).dot(normal));
   }
 
-  // Whether the body's normals at the edge hold -normal; then it is a contact.
+  // If the body's normals at the edge hold -normal it is a contact.
   void report(const Leaf& leaf, int c, int r, const Vec3& q, const Vec3& normal, double distance) const {
     if (distance < -asked_.overlap) return;
     for (const Vec3& inward : edge_.inward) {

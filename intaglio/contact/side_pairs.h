@@ -26,16 +26,15 @@ void side_pairs(const Asked& asked, const Side& side, const Inside& inside) {
     const double bend_x = -flat_bend * leaf.w, bend_y = -flat_bend * leaf.h;
     for (int r = leaf.begin_r; r < leaf.end_r; ++r) {
       for (int c = leaf.begin_c; c < leaf.end_c; ++c) {
-        const double z = leaf.at(c, r);
-        if (leaf.at(c - 1, r) + leaf.at(c + 1, r) - 2 * z > bend_x ||
-            leaf.at(c, r - 1) + leaf.at(c, r + 1) - 2 * z > bend_y ||
-            !leaf.is_summit(c, r, slope_x, slope_y, slack_x, slack_y))
-          continue;
         const Vec3 q = leaf.texel(c, r);
         const double distance = n.dot(q) - side.offset;
-        if (distance <= asked.found.limit() && inside(q, distance))
-          asked.found.add(
-              {q, -n, distance, feature_id(leaf.i + c, leaf.j + r, Part::face, side.index, asked.child)});
+        if (!(distance <= asked.found.limit()) ||
+            leaf.at(c - 1, r) + leaf.at(c + 1, r) - 2 * q.z() > bend_x ||
+            leaf.at(c, r - 1) + leaf.at(c, r + 1) - 2 * q.z() > bend_y ||
+            !leaf.is_summit(c, r, slope_x, slope_y, slack_x, slack_y) || !inside(q, distance))
+          continue;
+        asked.found.add(
+            {q, -n, distance, feature_id(leaf.i + c, leaf.j + r, Part::face, side.index, asked.child)});
       }
     }
   };
