@@ -41,7 +41,7 @@ class EdgeSearch {
     // Inside of a polyhedron the faces answer for it.
     if ((apart.z() < 0 && edge_.radius == 0) || !leaf.is_summit(c, r, slope_x, slope_y, 0, 0)) return;
     const double d = std::copysign(std::sqrt(d2), apart.z());
-    report(leaf, c, r, q, apart / d, d);
+    report(leaf, c, r, Where::corner, q, apart / d, d);
   }
 
   // From texel (c, r) to the next along x.
@@ -111,7 +111,7 @@ class EdgeSearch {
     }
     normal.normalize();
     const double gap = -q.dot(normal), u = along_.dot(q + gap * normal) / length2_;
-    if (u > 0 && u < 1) report(leaf, c, r, edge_.a + q, normal, gap);
+    if (u > 0 && u < 1) report(leaf, c, r, Where::patch, edge_.a + q, normal, gap);
   }
 
  private:
@@ -148,18 +148,20 @@ class EdgeSearch {
                        first.ahead + t * (second.ahead - first.ahead)};
     if (!is_ridge(there, there, slope, size)) return;
     const Vec3 normal = std::copysign(1 / std::sqrt(norm2), turned.z()) * turned, on = q + t * crease;
-    report(leaf, c, r, on, normal, (edge_.a + u * along_ - on).dot(normal));
+    report(leaf, c, r, crease.x() > 0 ? Where::crease_x : Where::crease_y, on, normal,
+           (edge_.a + u * along_ - on).dot(normal));
   }
 
   // If the body's normals at the edge hold -normal it is a contact.
-  void report(const Leaf& leaf, int c, int r, const Vec3& q, const Vec3& normal, double distance) const {
+  void report(const Leaf& leaf, int c, int r, Where where, const Vec3& q, const Vec3& normal,
+              double distance) const {
     if (distance < -asked_.overlap) return;
     for (const Vec3& inward : edge_.inward) {
       if (normal.dot(inward) < -slack) return;
     }
     if (!asked_.surface.placement().covers(q)) return;
     asked_.found.add({q, normal, distance - edge_.radius,
-                      feature_id(leaf.i + c, leaf.j + r, Part::edge, edge_.index, asked_.child)});
+                      feature_id(leaf.i + c, leaf.j + r, where, Part::edge, edge_.index, asked_.child)});
   }
 
   const Asked& asked_;

@@ -54,7 +54,7 @@ void push_up(const Question& question, const Shape& shape, Candidates& found, un
     // Farther down it is not in the surface any more but elsewhere.
     if (relief - body.high > 2 * question.reach) return;
     found.add({Vec3(at.x(), at.y(), relief), Vec3::UnitZ(), body.low - relief,
-               feature_id(0, 0, Part::round, 0, child)});
+               feature_id(0, 0, Where::patch, Part::round, 0, child)});
   });
 }
 
@@ -73,6 +73,7 @@ ContactSet relief_contacts(const surface::Surface& surface, const Shape& shape, 
     const Asked asked{surface, child, overlap, found};
     std::visit(PairsOf{asked, frame}, part);
   });
+  if (found.use_spare()) set.status |= status::deep;
   if (found.size() == 0) push_up(question, shape, found, set.status);
   if (found.overflowed()) set.status |= status::limit;
   found.choose(surface, set);

@@ -67,7 +67,7 @@ class RimSearch {
     if (d < 1e-9 || !(apart.z() > 0) ||
         !leaf.is_summit(c, r, -apart.x() / apart.z(), -apart.y() / apart.z(), 0, 0))
       return;
-    report(leaf, c, r, q, apart / d, d, at);
+    report(leaf, c, r, Where::corner, q, apart / d, d, at);
   }
 
   void crease_x(const Leaf& leaf, int c, int r) const { crease(leaf, c, r, 1, 0); }
@@ -102,7 +102,7 @@ class RimSearch {
     if (!find(slope_along, at)) return;
     slope_along(at);
     if (s < 0 || s > 1 || t < 0 || t > 1) return;
-    report(leaf, c, r, q + on, normal, (at.point - q - on).dot(normal), at);
+    report(leaf, c, r, Where::patch, q + on, normal, (at.point - q - on).dot(normal), at);
   }
 
  private:
@@ -149,17 +149,17 @@ class RimSearch {
     const double behind = -rise(-1) / across, ahead = rise(1) / across;
     const double slope = -(x == 1 ? normal.y() : normal.x()) / normal.z(), more = slope_slack(slope * slope);
     if (!(behind - ahead > flat_bend) || slope > behind + more || slope < ahead - more) return;
-    report(leaf, c, r, on, normal, (p - on).dot(normal), at);
+    report(leaf, c, r, x == 1 ? Where::crease_x : Where::crease_y, on, normal, (p - on).dot(normal), at);
   }
 
   // Whether the normals of the rim hold -normal; then it is a contact.
-  void report(const Leaf& leaf, int c, int r, const Vec3& q, const Vec3& normal, double distance,
+  void report(const Leaf& leaf, int c, int r, Where where, const Vec3& q, const Vec3& normal, double distance,
               const Place& at) const {
     if (distance < -asked_.overlap || normal.dot(rim_.normal) > slack || normal.dot(at.out) > slack ||
         !asked_.surface.placement().covers(q))
       return;
-    asked_.found.add(
-        {q, normal, distance, feature_id(leaf.i + c, leaf.j + r, Part::edge, rim_.index, asked_.child)});
+    asked_.found.add({q, normal, distance,
+                      feature_id(leaf.i + c, leaf.j + r, where, Part::edge, rim_.index, asked_.child)});
   }
 
   const Asked& asked_;

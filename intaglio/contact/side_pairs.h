@@ -34,7 +34,8 @@ void side_pairs(const Asked& asked, const Side& side, const Inside& inside) {
             !leaf.is_summit(c, r, slope_x, slope_y, slack_x, slack_y) || !inside(q, distance))
           continue;
         asked.found.add(
-            {q, -n, distance, feature_id(leaf.i + c, leaf.j + r, Part::face, side.index, asked.child)});
+            {q, -n, distance,
+             feature_id(leaf.i + c, leaf.j + r, Where::corner, Part::face, side.index, asked.child)});
       }
     }
   };
