@@ -122,9 +122,9 @@ class EdgeSearch {
 
   // Whether a crease may point up and hold a slope across it, somewhere between its ends. False, too, where
   // edge and crease are parallel: the slope is infinite or no number.
-  bool is_ridge(const Across& a, const Across& b, double slope, double size) const {
+  bool is_ridge(const Across& a, const Across& b, double slope, double size, double angle = slack) const {
     const double behind = std::max(a.behind, b.behind), ahead = std::min(a.ahead, b.ahead);
-    const double more = edge_.radius > 0 ? 0 : slope_slack(slope * slope) * size;
+    const double more = edge_.radius > 0 ? 0 : slope_slack(angle, slope * slope) * size;
     return behind - ahead > flat_bend * size && slope * size <= behind + more && slope * size >= ahead - more;
   }
   // Whether the body's normals at the edge hold the relief's normal of these slopes, turned round.
@@ -146,10 +146,10 @@ class EdgeSearch {
     if (!(u >= 0 && u <= 1 && t >= 0 && t <= 1)) return;
     const Across there{first.behind + t * (second.behind - first.behind),
                        first.ahead + t * (second.ahead - first.ahead)};
-    if (!is_ridge(there, there, slope, size)) return;
     const Vec3 normal = std::copysign(1 / std::sqrt(norm2), turned.z()) * turned, on = q + t * crease;
-    report(leaf, c, r, crease.x() > 0 ? Where::crease_x : Where::crease_y, on, normal,
-           (edge_.a + u * along_ - on).dot(normal));
+    const double distance = (edge_.a + u * along_ - on).dot(normal);
+    if (!is_ridge(there, there, slope, size, slack_at(distance, asked_.overlap))) return;
+    report(leaf, c, r, crease.x() > 0 ? Where::crease_x : Where::crease_y, on, normal, distance);
   }
 
   // If the body's normals at the edge hold -normal it is a contact.
@@ -157,7 +157,7 @@ class EdgeSearch {
               double distance) const {
     if (distance < -asked_.overlap) return;
     for (const Vec3& inward : edge_.inward) {
-      if (normal.dot(inward) < -slack) return;
+      if (normal.dot(inward) < -slack_at(distance, asked_.overlap)) return;
     }
     if (!asked_.surface.placement().covers(q)) return;
     asked_.found.add({q, normal, distance - edge_.radius,

@@ -147,15 +147,17 @@ class RimSearch {
     };
     const double across = x == 1 ? leaf.h : leaf.w;
     const double behind = -rise(-1) / across, ahead = rise(1) / across;
-    const double slope = -(x == 1 ? normal.y() : normal.x()) / normal.z(), more = slope_slack(slope * slope);
+    const double slope = -(x == 1 ? normal.y() : normal.x()) / normal.z(), distance = (p - on).dot(normal),
+                 more = slope_slack(slack_at(distance, asked_.overlap), slope * slope);
     if (!(behind - ahead > flat_bend) || slope > behind + more || slope < ahead - more) return;
-    report(leaf, c, r, x == 1 ? Where::crease_x : Where::crease_y, on, normal, (p - on).dot(normal), at);
+    report(leaf, c, r, x == 1 ? Where::crease_x : Where::crease_y, on, normal, distance, at);
   }
 
   // Whether the normals of the rim hold -normal; then it is a contact.
   void report(const Leaf& leaf, int c, int r, Where where, const Vec3& q, const Vec3& normal, double distance,
               const Place& at) const {
-    if (distance < -asked_.overlap || normal.dot(rim_.normal) > slack || normal.dot(at.out) > slack ||
+    const double most = slack_at(distance, asked_.overlap);
+    if (distance < -asked_.overlap || normal.dot(rim_.normal) > most || normal.dot(at.out) > most ||
         !asked_.surface.placement().covers(q))
       return;
     asked_.found.add({q, normal, distance,

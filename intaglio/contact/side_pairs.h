@@ -19,8 +19,11 @@ template <class Inside>
 void side_pairs(const Asked& asked, const Side& side, const Inside& inside) {
   const Vec3& n = side.normal;
   const double slope_x = -n.x() / n.z(), slope_y = -n.y() / n.z();
-  const double slack_x = slope_slack(slope_x * slope_x), slack_y = slope_slack(slope_y * slope_y);
   const Vec2 aside = Vec2::Constant(std::max(asked.found.limit(), asked.overlap));
+  const auto is_summit = [&](const Leaf& leaf, int c, int r, double angle) {
+    return leaf.is_summit(c, r, slope_x, slope_y, slope_slack(angle, slope_x * slope_x),
+                          slope_slack(angle, slope_y * slope_y));
+  };
   const auto visit = [&](int i, int j) {
     const Leaf leaf(asked.surface, i, j);
     const double bend_x = -flat_bend * leaf.w, bend_y = -flat_bend * leaf.h;
@@ -31,7 +34,7 @@ void side_pairs(const Asked& asked, const Side& side, const Inside& inside) {
         if (!(distance <= asked.found.limit()) ||
             leaf.at(c - 1, r) + leaf.at(c + 1, r) - 2 * q.z() > bend_x ||
             leaf.at(c, r - 1) + leaf.at(c, r + 1) - 2 * q.z() > bend_y ||
-            !leaf.is_summit(c, r, slope_x, slope_y, slack_x, slack_y) || !inside(q, distance))
+            !is_summit(leaf, c, r, slack_at(distance, asked.overlap)) || !inside(q, distance))
           continue;
         asked.found.add(
             {q, -n, distance,

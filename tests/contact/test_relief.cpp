@@ -81,7 +81,8 @@ TEST_CASE("a placement turned and moved, with the body, gives the same contacts 
   surface::BrickRecipe recipe;
   recipe.size = 64;
   Random random(42);
-  const auto texels = [&] { return surface::to_texels(surface::make_brick(recipe)); };
+  const surface::Texels brick = surface::to_texels(surface::make_brick(recipe));
+  const auto texels = [&] { return brick; };
   const surface::Surface here(texels(), tests::flat_placement(), 0.02, surface::Edge::wrap);
   for (const tests::Body& body : tests::bodies(0.1)) {
     for (int k = 0; k < 10; ++k) {
