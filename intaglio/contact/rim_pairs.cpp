@@ -78,6 +78,14 @@ class RimSearch {
     const Vec3 q = leaf.texel(c, r);
     const double a = leaf.at(c + 1, r) - q.z(), b = leaf.at(c, r + 1) - q.z(),
                  twist = leaf.at(c + 1, r + 1) - q.z() - a - b;
+    // Square to the rim the normal can only be where its part along the rim changes its sign.
+    const auto range = [&](const Vec3& e) {
+      const double x = e.x() / leaf.w, y = e.y() / leaf.h, g = e.z() - a * x - b * y;
+      return std::pair(g + std::min(-twist * x, 0.0) + std::min(-twist * y, 0.0),
+                       g + std::max(-twist * x, 0.0) + std::max(-twist * y, 0.0));
+    };
+    const auto start = range(from_.tangent), end = range(to_.tangent);
+    if (std::min(start.first, end.first) > 0 || std::max(start.second, end.second) < 0) return;
     double s = 0.5, t = 0.5;
     Vec3 on, normal;
     const auto slope_along = [&](const Place& from) {
@@ -130,6 +138,12 @@ class RimSearch {
   void crease(const Leaf& leaf, int c, int r, int x, int y) const {
     const Vec3 q = leaf.texel(c, r), along(x * leaf.w, y * leaf.h, leaf.at(c + x, r + y) - q.z());
     const double length2 = along.squaredNorm();
+    // Nowhere a ridge, it is met nowhere.
+    const auto bend = [&](int end) {
+      const int i = c + end * x, j = r + end * y;
+      return 2 * leaf.at(i, j) - leaf.at(i - y, j - x) - leaf.at(i + y, j + x);
+    };
+    if (std::max(bend(0), bend(1)) <= 0) return;
     const auto beside = [&](const Place& p) {
       const Vec3& e = p.tangent;
       return (p.point - q).dot(e - e.dot(along) / length2 * along);
