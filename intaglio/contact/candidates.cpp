@@ -44,6 +44,13 @@ void Candidates::find_shallowest() {
   limit_ = std::min(limit_, kept_[shallowest_].distance);
 }
 
+bool Candidates::use_spare() {
+  if (!has_spare_ || std::any_of(begin(), end(), [](const Candidate& c) { return c.distance < 0; }))
+    return false;
+  add(spare_);
+  return true;
+}
+
 void Candidates::choose(const surface::Surface& surface, ContactSet& set) {
   std::sort(kept_.begin(), kept_.begin() + static_cast<std::ptrdiff_t>(count_),
             [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });

@@ -18,13 +18,17 @@ inline constexpr double min_angle = 20 * std::numbers::pi / 180;
 // What of the body touches.
 enum class Part : std::uint64_t { round = 0, vertex = 1, edge = 2, face = 3 };
 
-// A name for what touches what: a cell (or texel) and a part of the body. Different ones may share a name
-// above 2^18 texels, 2^18 parts or 2^8 children.
-inline std::uint64_t feature_id(int i, int j, Part part, int index, int child) {
+// What of a cell: its inside, the crease along x or along y from its first texel, that texel.
+enum class Where : std::uint64_t { patch = 0, crease_x = 1, crease_y = 2, corner = 3 };
+
+// A name for what touches what: a place on the relief and a part of the body. Different ones may share a name
+// above 2^18 texels, 2^16 parts or 2^8 children.
+inline std::uint64_t feature_id(int i, int j, Where where, Part part, int index, int child) {
   const auto bits = [](auto value, unsigned count) {
     return static_cast<std::uint64_t>(value) & ((std::uint64_t{1} << count) - 1);
   };
-  return bits(i, 18) | bits(j, 18) << 18 | bits(index, 18) << 36 | bits(part, 2) << 54 | bits(child, 8) << 56;
+  return bits(i, 18) | bits(j, 18) << 18 | bits(index, 16) << 36 | bits(where, 2) << 52 |
+         bits(part, 2) << 54 | bits(child, 8) << 56;
 }
 
 struct Candidate {
@@ -51,6 +55,14 @@ class Candidates {
 
   void add(const Candidate& candidate);
 
+  // A way out of an overlap that is no least gap, for when nothing better is found. The shortest is kept.
+  void add_spare(const Candidate& candidate) {
+    if (!has_spare_ || candidate.distance > spare_.distance) spare_ = candidate;
+    has_spare_ = true;
+  }
+  // Adds it if nothing overlaps so far; whether it did.
+  bool use_spare();
+
   // The deepest, then those whose normals differ from all chosen, then those that widen the support.
   void choose(const surface::Surface& surface, ContactSet& set);
 
@@ -60,7 +72,8 @@ class Candidates {
   std::array<Candidate, capacity> kept_;
   std::size_t count_ = 0, shallowest_ = 0;
   double limit_;
-  bool overflowed_ = false;
+  bool overflowed_ = false, has_spare_ = false;
+  Candidate spare_;
 };
 
 }  // namespace intaglio::contact

@@ -28,7 +28,8 @@ inline constexpr unsigned far = 8;       // so far away (1e5 sides) that digits 
 inline constexpr unsigned under = 16;    // wholly under the surface: pushed up along n_g
 inline constexpr unsigned wide_margin = 32;  // the margin was limited (too fast for this step): sub-step
 inline constexpr unsigned limit = 64;        // more candidates than are kept: the deepest were kept
-inline constexpr unsigned deep = 128;        // overlapping, but no pair of features tells which way out: n_g
+inline constexpr unsigned deep =
+    128;  // overlapping, but no least gap tells the way out: one of the next best
 }  // namespace status
 
 // Up to six contact points, chosen to support the body; the first is the deepest.

@@ -10,6 +10,17 @@ namespace {
 
 using surface::Feature;
 
+// Which of the cells that meet there the search found does not matter to the name.
+std::uint64_t name_of(const surface::Surface& surface, const Vec3& point, Part part, int index, int child) {
+  constexpr double near = 1e-6;
+  const double x = point.x() / surface.texel_u() - 0.5, y = point.y() / surface.texel_v() - 0.5;
+  const double i = std::floor(x + near), j = std::floor(y + near);
+  const bool on_column = x - i < near, on_row = y - j < near;
+  const Where where =
+      on_column ? (on_row ? Where::corner : Where::crease_y) : (on_row ? Where::crease_x : Where::patch);
+  return feature_id(static_cast<int>(i), static_cast<int>(j), where, part, index, child);
+}
+
 void add_all(const Asked& asked, std::span<const Feature> features, std::span<const Vec3> around,
              double radius, Part part, int index) {
   for (const Feature& f : features) {
@@ -17,9 +28,13 @@ void add_all(const Asked& asked, std::span<const Feature> features, std::span<co
     const bool is_least = std::all_of(around.begin(), around.end(), [&](const Vec3& edge) {
       return f.direction.dot(edge) >= -corner_slack;
     });
-    if (!is_least) continue;
-    asked.found.add({f.point, f.direction, f.distance - radius,
-                     feature_id(f.cell_i, f.cell_j, part, index, asked.child)});
+    const Candidate candidate{f.point, f.direction, f.distance - radius,
+                              name_of(asked.surface, f.point, part, index, asked.child)};
+    if (is_least) {
+      asked.found.add(candidate);
+    } else if (f.distance < 0) {
+      asked.found.add_spare(candidate);
+    }
   }
 }
 

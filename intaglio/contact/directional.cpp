@@ -35,7 +35,7 @@ ContactSet directional_contacts(const surface::Surface& surface, const Shape& sh
           continue;
         found[quadrant] = true;
         deepest[quadrant] = {texel, surface.normal(place.uv(texel)), distance,
-                             feature_id(i, j, Part::round, 0, child)};
+                             feature_id(i, j, Where::corner, Part::round, 0, child)};
       }
     }
   });

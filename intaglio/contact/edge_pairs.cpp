@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "intaglio/contact/leaf_walk.h"
 #include "intaglio/contact/pairs.h"
+#include "intaglio/contact/rod.h"
 #include "intaglio/contact/slack.h"
 
 namespace intaglio::contact {
@@ -17,37 +17,16 @@ class EdgeSearch {
         edge_(edge),
         along_(edge.b - edge.a),
         length2_(along_.squaredNorm()),
-        reach_(edge.radius > 0 ? edge.radius + asked.found.limit()
-                               : std::max(asked.found.limit(), asked.overlap)) {}
+        rod_(edge.a, edge.b, edge.radius + asked.found.limit(), asked.overlap) {}
 
   void run() {
-    if (!(length2_ > 0) || std::min(edge_.a.z(), edge_.b.z()) > reach_) return;
-    const Vec3 low = edge_.a.cwiseMin(edge_.b) - Vec3::Constant(reach_),
-               high = edge_.a.cwiseMax(edge_.b) + Vec3::Constant(reach_);
+    if (!(length2_ > 0) || std::min(edge_.a.z(), edge_.b.z()) > rod_.reach()) return;
     for_each_leaf(
-        asked_.surface, low.head<2>(), high.head<2>(), reach_, [this](const Vec3& q) { return distance(q); },
-        [this](int i, int j) { visit(Leaf(asked_.surface, i, j)); });
-  }
-
- private:
-  // From the segment.
-  Tangent distance(const Vec3& q) const {
-    const Vec3 away = q - edge_.a;
-    const double u = std::min(std::max(along_.dot(away) / length2_, 0.0), 1.0);
-    const Vec3 apart = away - u * along_;
-    const double d = apart.norm();
-    return {d, d > 0 ? Vec3(apart / d) : Vec3::Zero().eval()};
-  }
-
-  void visit(const Leaf& leaf) const {
-    for (int r = leaf.begin_r; r < leaf.end_r; ++r) {
-      for (int c = leaf.begin_c; c < leaf.end_c; ++c) {
-        corner(leaf, c, r);
-        if (c < leaf.last_c) crease_x(leaf, c, r);
-        if (r < leaf.last_r) crease_y(leaf, c, r);
-        if (c < leaf.last_c && r < leaf.last_r) patch(leaf, c, r);
-      }
-    }
+        asked_.surface, rod_.low(), rod_.high(), [this](const Piece& piece) { return rod_.may_meet(piece); },
+        [this](int i, int j) {
+          const Leaf leaf(asked_.surface, i, j);
+          search_leaf(*this, leaf, texels_up(leaf, rod_));
+        });
   }
 
   void corner(const Leaf& leaf, int c, int r) const {
@@ -57,60 +36,31 @@ class EdgeSearch {
     const Vec3 apart = u / length2_ * along_ - away;
     const double d2 = apart.squaredNorm();
     // On the edge itself there is no direction; creases find that.
-    if (d2 > reach_ * reach_ || d2 < 1e-18 || apart.z() == 0) return;
+    if (d2 > rod_.reach() * rod_.reach() || d2 < 1e-18 || apart.z() == 0) return;
     const double slope_x = -apart.x() / apart.z(), slope_y = -apart.y() / apart.z();
     // Inside of a polyhedron the faces answer for it.
     if ((apart.z() < 0 && edge_.radius == 0) || !leaf.is_summit(c, r, slope_x, slope_y, 0, 0)) return;
     const double d = std::copysign(std::sqrt(d2), apart.z());
-    report(leaf, c, r, q, apart / d, d);
+    report(leaf, c, r, Where::corner, q, apart / d, d);
   }
 
   // From texel (c, r) to the next along x.
   void crease_x(const Leaf& leaf, int c, int r) const {
-    const Vec3 q = leaf.texel(c, r), crease(leaf.w, 0, leaf.at(c + 1, r) - leaf.at(c, r));
-    double u, t;
-    Vec3 normal;
-    if (!cross(q, crease, u, t, normal)) return;
-    const auto slope = [&](int row) {
-      return ((1 - t) * leaf.at(c, row) + t * leaf.at(c + 1, row) - q.z() - t * crease.z()) / leaf.h;
-    };
-    const double behind = -slope(r - 1), ahead = slope(r + 1);
-    if (!is_ridge(behind, ahead, -normal.y() / normal.z())) return;
-    meet(leaf, c, r, q + t * crease, u, normal);
+    const double z = leaf.at(c, r), slope_x = (leaf.at(c + 1, r) - z) / leaf.w;
+    // Of the plane that holds both directions.
+    const double slope_y = (along_.z() - along_.x() * slope_x) / along_.y();
+    const Across first{z - leaf.at(c, r - 1), leaf.at(c, r + 1) - z},
+        second{leaf.at(c + 1, r) - leaf.at(c + 1, r - 1), leaf.at(c + 1, r + 1) - leaf.at(c + 1, r)};
+    if (is_ridge(first, second, slope_y, leaf.h) && is_outward(slope_x, slope_y))
+      cross(leaf, c, r, Vec3(leaf.w, 0, leaf.at(c + 1, r) - z), first, second, slope_y, leaf.h);
   }
   void crease_y(const Leaf& leaf, int c, int r) const {
-    const Vec3 q = leaf.texel(c, r), crease(0, leaf.h, leaf.at(c, r + 1) - leaf.at(c, r));
-    double u, t;
-    Vec3 normal;
-    if (!cross(q, crease, u, t, normal)) return;
-    const auto slope = [&](int column) {
-      return ((1 - t) * leaf.at(column, r) + t * leaf.at(column, r + 1) - q.z() - t * crease.z()) / leaf.w;
-    };
-    const double behind = -slope(c - 1), ahead = slope(c + 1);
-    if (!is_ridge(behind, ahead, -normal.x() / normal.z())) return;
-    meet(leaf, c, r, q + t * crease, u, normal);
-  }
-
-  // The common perpendicular, pointing up, where both lines are within their ends.
-  bool cross(const Vec3& q, const Vec3& crease, double& u, double& t, Vec3& normal) const {
-    normal = along_.cross(crease);
-    if (normal.z() < 0) normal = -normal;
-    const double norm2 = normal.squaredNorm();
-    if (!(normal.z() * normal.z() > 1e-12 * norm2) || norm2 < 1e-20 * length2_ * crease.squaredNorm())
-      return false;
-    const Vec3 away = q - edge_.a, turned = along_.cross(crease);
-    u = away.cross(crease).dot(turned) / norm2;
-    t = away.cross(along_).dot(turned) / norm2;
-    return u >= 0 && u <= 1 && t >= 0 && t <= 1;
-  }
-  // Whether a slope lies between those behind and ahead of a crease that points up.
-  bool is_ridge(double behind, double ahead, double slope) const {
-    const double more = edge_.radius > 0 ? 0 : slope_slack(slope * slope);
-    return behind - ahead > flat_bend && slope <= behind + more && slope >= ahead - more;
-  }
-  void meet(const Leaf& leaf, int c, int r, const Vec3& q, double u, const Vec3& upward) const {
-    const Vec3 normal = upward.normalized();
-    report(leaf, c, r, q, normal, (edge_.a + u * along_ - q).dot(normal));
+    const double z = leaf.at(c, r), slope_y = (leaf.at(c, r + 1) - z) / leaf.h;
+    const double slope_x = (along_.z() - along_.y() * slope_y) / along_.x();
+    const Across first{z - leaf.at(c - 1, r), leaf.at(c + 1, r) - z},
+        second{leaf.at(c, r + 1) - leaf.at(c - 1, r + 1), leaf.at(c + 1, r + 1) - leaf.at(c, r + 1)};
+    if (is_ridge(first, second, slope_x, leaf.w) && is_outward(slope_x, slope_y))
+      cross(leaf, c, r, Vec3(0, leaf.h, leaf.at(c, r + 1) - z), first, second, slope_x, leaf.w);
   }
 
   // The inside of a patch: where its normal is square to the edge and points at it. Square it is on a
@@ -161,24 +111,64 @@ class EdgeSearch {
     }
     normal.normalize();
     const double gap = -q.dot(normal), u = along_.dot(q + gap * normal) / length2_;
-    if (u > 0 && u < 1) report(leaf, c, r, edge_.a + q, normal, gap);
+    if (u > 0 && u < 1) report(leaf, c, r, Where::patch, edge_.a + q, normal, gap);
   }
 
-  // Whether the body's normals at the edge hold -normal; then it is a contact.
-  void report(const Leaf& leaf, int c, int r, const Vec3& q, const Vec3& normal, double distance) const {
+ private:
+  // How the relief rises across a crease at one of its ends, from behind and ahead, a cell each.
+  struct Across {
+    double behind, ahead;
+  };
+
+  // Whether a crease may point up and hold a slope across it, somewhere between its ends. False, too, where
+  // edge and crease are parallel: the slope is infinite or no number.
+  bool is_ridge(const Across& a, const Across& b, double slope, double size, double angle = slack) const {
+    const double behind = std::max(a.behind, b.behind), ahead = std::min(a.ahead, b.ahead);
+    const double more = edge_.radius > 0 ? 0 : slope_slack(angle, slope * slope) * size;
+    return behind - ahead > flat_bend * size && slope * size <= behind + more && slope * size >= ahead - more;
+  }
+  // Whether the body's normals at the edge hold the relief's normal of these slopes, turned round.
+  bool is_outward(double slope_x, double slope_y) const {
+    const Vec3 upward(-slope_x, -slope_y, 1);
+    return std::all_of(edge_.inward.begin(), edge_.inward.end(), [&](const Vec3& inward) {
+      const double sine = upward.dot(inward);
+      return sine >= 0 || sine * sine <= slack * slack * upward.squaredNorm();
+    });
+  }
+  // The common perpendicular, pointing up, where both lines are within their ends.
+  void cross(const Leaf& leaf, int c, int r, const Vec3& crease, const Across& first, const Across& second,
+             double slope, double size) const {
+    const Vec3 turned = along_.cross(crease);
+    const double norm2 = turned.squaredNorm();
+    if (!(turned.z() * turned.z() > 1e-12 * norm2) || norm2 < 1e-20 * length2_ * crease.squaredNorm()) return;
+    const Vec3 q = leaf.texel(c, r), away = q - edge_.a;
+    const double u = away.cross(crease).dot(turned) / norm2, t = away.cross(along_).dot(turned) / norm2;
+    if (!(u >= 0 && u <= 1 && t >= 0 && t <= 1)) return;
+    const Across there{first.behind + t * (second.behind - first.behind),
+                       first.ahead + t * (second.ahead - first.ahead)};
+    const Vec3 normal = std::copysign(1 / std::sqrt(norm2), turned.z()) * turned, on = q + t * crease;
+    const double distance = (edge_.a + u * along_ - on).dot(normal);
+    if (!is_ridge(there, there, slope, size, slack_at(distance, asked_.overlap))) return;
+    report(leaf, c, r, crease.x() > 0 ? Where::crease_x : Where::crease_y, on, normal, distance);
+  }
+
+  // If the body's normals at the edge hold -normal it is a contact.
+  void report(const Leaf& leaf, int c, int r, Where where, const Vec3& q, const Vec3& normal,
+              double distance) const {
     if (distance < -asked_.overlap) return;
     for (const Vec3& inward : edge_.inward) {
-      if (normal.dot(inward) < -slack) return;
+      if (normal.dot(inward) < -slack_at(distance, asked_.overlap)) return;
     }
     if (!asked_.surface.placement().covers(q)) return;
     asked_.found.add({q, normal, distance - edge_.radius,
-                      feature_id(leaf.i + c, leaf.j + r, Part::edge, edge_.index, asked_.child)});
+                      feature_id(leaf.i + c, leaf.j + r, where, Part::edge, edge_.index, asked_.child)});
   }
 
   const Asked& asked_;
   const StraightEdge& edge_;
   Vec3 along_;
-  double length2_, reach_;
+  double length2_;
+  Rod rod_;
 };
 
 }  // namespace

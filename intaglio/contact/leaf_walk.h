@@ -15,6 +15,19 @@ struct Tangent {
   Vec3 gradient;
 };
 
+// A piece of the relief as the pyramid knows it: within `play` above and below a parallelogram with these
+// sides.
+struct Piece {
+  Vec3 middle, side_x, side_y;
+  double play;
+
+  // The least that a convex function, or the linear one, can be in it.
+  double least(const Tangent& t) const {
+    return t.value - 0.5 * std::abs(t.gradient.dot(side_x)) - 0.5 * std::abs(t.gradient.dot(side_y)) -
+           play * std::abs(t.gradient.z());
+  }
+};
+
 // Four by four cells, and the texels around them: texel (i + c, j + r) is z[r + 1][c + 1], c and r from -1 to
 // 4. Texels outside of the rectangle count as infinitely low (by a number that is still good to reckon with).
 struct Leaf {
@@ -43,11 +56,10 @@ struct Leaf {
 };
 
 // Calls visit(i, j) with the first cell of every block of four by four cells over the rectangle that overlaps
-// low..high in plan and may hold a point of the relief where a convex function is `reach` or less.
-// `function(point)` is its Tangent.
-template <class Function, class Visit>
-void for_each_leaf(const surface::Surface& surface, const Vec2& low, const Vec2& high, double reach,
-                   const Function& function, const Visit& visit) {
+// low..high in plan and that is wanted: wanted(piece) of the block, and of those that hold it.
+template <class Wanted, class Visit>
+void for_each_leaf(const surface::Surface& surface, const Vec2& low, const Vec2& high, const Wanted& wanted,
+                   const Visit& visit) {
   using surface::Pyramid;
   const Pyramid& pyramid = surface.pyramid();
   const double w = surface.texel_u(), h = surface.texel_v(), scale = -surface.max_depth();
@@ -74,11 +86,8 @@ void for_each_leaf(const surface::Surface& surface, const Vec2& low, const Vec2&
     const double a = scale * side * slab.slope_x, c = scale * side * slab.slope_y;
     const Vec3 middle((first + 0.5 + (b.x + 0.5) * side) * w, (first + 0.5 + (b.y + 0.5) * side) * h,
                       scale * 0.5 * (slab.low + slab.high));
-    const Tangent t = function(middle);
-    const double least = t.value - 0.5 * std::abs(t.gradient.x() * side * w + t.gradient.z() * a) -
-                         0.5 * std::abs(t.gradient.y() * side * h + t.gradient.z() * c) +
-                         0.5 * scale * (slab.high - slab.low) * std::abs(t.gradient.z());
-    return least <= reach;
+    return wanted(
+        Piece{middle, Vec3(side * w, 0, a), Vec3(0, side * h, c), -0.5 * scale * (slab.high - slab.low)});
   };
   const int side = Pyramid::side(level);
   for (int y = j0 / side; y <= j1 / side; ++y) {

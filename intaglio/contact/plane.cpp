@@ -29,7 +29,8 @@ ContactSet plane_contacts(const surface::Surface& surface, const Shape& shape, c
     if (!(gap <= question.margin) || gap < -deepest(foot, question.reach) || !place.covers(foot.point))
       return;
     const Vec3 on_plane(foot.point.x(), foot.point.y(), 0);
-    found.add({on_plane, Vec3::UnitZ(), gap, feature_id(0, 0, Part::vertex, foot.index, child)});
+    found.add(
+        {on_plane, Vec3::UnitZ(), gap, feature_id(0, 0, Where::patch, Part::vertex, foot.index, child)});
   });
   if (found.overflowed()) set.status |= status::limit;
   found.choose(surface, set);

@@ -54,7 +54,7 @@ void push_up(const Question& question, const Shape& shape, Candidates& found, un
     // Farther down it is not in the surface any more but elsewhere.
     if (relief - body.high > 2 * question.reach) return;
     found.add({Vec3(at.x(), at.y(), relief), Vec3::UnitZ(), body.low - relief,
-               feature_id(0, 0, Part::round, 0, child)});
+               feature_id(0, 0, Where::patch, Part::round, 0, child)});
   });
 }
 
@@ -68,11 +68,12 @@ ContactSet relief_contacts(const surface::Surface& surface, const Shape& shape, 
   set.status = question.wrong;
   if (question.hopeless) return set;
   Candidates found(question.margin);
-  const double overlap = std::max(question.margin, 2 * std::max(surface.texel_u(), surface.texel_v()));
+  const double overlap = std::max(question.margin, std::max(surface.texel_u(), surface.texel_v()));
   set.status |= for_each_part(shape, question.frame, [&](const Shape& part, const Frame& frame, int child) {
     const Asked asked{surface, child, overlap, found};
     std::visit(PairsOf{asked, frame}, part);
   });
+  if (found.use_spare()) set.status |= status::deep;
   if (found.size() == 0) push_up(question, shape, found, set.status);
   if (found.overflowed()) set.status |= status::limit;
   found.choose(surface, set);

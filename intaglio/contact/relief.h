@@ -10,7 +10,7 @@
 // the Euclidean distance of those points, and that of the first contact is the distance of body and relief.
 // Overlapping, it is minus the way that these two features must be moved apart along n. Features that overlap
 // by less than their neighbours do, or far from where the body ends, do not count; the rules are in
-// polyhedron_pairs.h. For round bodies the same is said of their core (centre, axis), less the radius.
+// pairs.h. For round bodies the same is said of their core (centre, axis), less the radius.
 #pragma once
 
 #include "intaglio/contact/contact_point.h"
@@ -33,8 +33,8 @@ ContactSet relief_contacts(const surface::Surface& surface, const Shape& shape, 
 ContactSet directional_contacts(const surface::Surface& surface, const Shape& shape, const Pose& pose,
                                 double margin);
 
-// Normal map: the contacts with the flat rectangle, their normals replaced by the sampled n_s, and of round
-// bodies the point by q (Eq. 1.2). The literal method of §1.2.3: on steep maps bodies sink, because nothing
+// Normal map: the contacts with the flat rectangle, their normals replaced by the sampled n_s, and of a ball
+// the point by q (Eq. 1.2). The literal method of §1.2.3: on steep maps bodies sink, because nothing
 // pushes along n_g (docs/equations.md).
 ContactSet normal_map_contacts(const surface::Surface& surface, const Shape& shape, const Pose& pose,
                                double margin);

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "intaglio/contact/leaf_walk.h"
 #include "intaglio/contact/pairs.h"
+#include "intaglio/contact/rod.h"
 #include "intaglio/contact/slack.h"
 
 namespace intaglio::contact {
@@ -44,97 +44,52 @@ class RimSearch {
 
   void run() {
     const double sagitta = rim_.radius * (1 - std::cos(std::numbers::pi / arcs));
-    const double reach = std::max(asked_.found.limit(), asked_.overlap) + sagitta;
     for (int k = 0; k < arcs; ++k) {
-      from_ = 2 * std::numbers::pi * k / arcs;
-      to_ = 2 * std::numbers::pi * (k + 1) / arcs;
-      const Vec3 a = point(from_), b = point(to_), along = b - a;
-      if (std::min(a.z(), b.z()) > reach) continue;
-      const Vec3 low = a.cwiseMin(b) - Vec3::Constant(reach), high = a.cwiseMax(b) + Vec3::Constant(reach);
-      const auto distance = [&](const Vec3& q) {
-        const double at = std::min(std::max(along.dot(q - a) / along.squaredNorm(), 0.0), 1.0);
-        const Vec3 apart = q - a - at * along;
-        const double d = apart.norm();
-        return Tangent{d, d > 0 ? Vec3(apart / d) : Vec3::Zero().eval()};
-      };
-      for_each_leaf(asked_.surface, low.head<2>(), high.head<2>(), reach, distance,
-                    [this](int i, int j) { visit(Leaf(asked_.surface, i, j)); });
+      from_ = place(2 * std::numbers::pi * k / arcs);
+      to_ = place(2 * std::numbers::pi * (k + 1) / arcs);
+      const Rod rod(from_.point, to_.point, asked_.found.limit() + sagitta, asked_.overlap + sagitta);
+      if (std::min(from_.point.z(), to_.point.z()) > rod.reach()) continue;
+      for_each_leaf(
+          asked_.surface, rod.low(), rod.high(), [&](const Piece& piece) { return rod.may_meet(piece); },
+          [&](int i, int j) {
+            const Leaf leaf(asked_.surface, i, j);
+            search_leaf(*this, leaf, texels_up(leaf, rod));
+          });
     }
-  }
-
- private:
-  Vec3 out(double angle) const { return std::cos(angle) * u_ + std::sin(angle) * v_; }
-  Vec3 tangent(double angle) const { return -std::sin(angle) * u_ + std::cos(angle) * v_; }
-  Vec3 point(double angle) const { return rim_.centre + rim_.radius * out(angle); }
-
-  void visit(const Leaf& leaf) const {
-    for (int r = leaf.begin_r; r < leaf.end_r; ++r) {
-      for (int c = leaf.begin_c; c < leaf.end_c; ++c) {
-        corner(leaf, c, r);
-        if (c < leaf.last_c) crease(leaf, c, r, 1, 0);
-        if (r < leaf.last_r) crease(leaf, c, r, 0, 1);
-        if (c < leaf.last_c && r < leaf.last_r) patch(leaf, c, r);
-      }
-    }
-  }
-
-  // Whether f changes its sign along the arc, and where.
-  template <class Function>
-  bool find(const Function& f, double& angle) const {
-    const double f_from = f(from_), f_to = f(to_);
-    if ((f_from < 0) == (f_to < 0)) return false;
-    angle = root(from_, to_, f_from, f_to, f);
-    return true;
   }
 
   void corner(const Leaf& leaf, int c, int r) const {
     const Vec3 q = leaf.texel(c, r);
-    double angle;
-    if (!find([&](double a) { return (point(a) - q).dot(tangent(a)); }, angle)) return;
-    const Vec3 apart = point(angle) - q;
+    Place at;
+    if (!find([&](const Place& p) { return (p.point - q).dot(p.tangent); }, at)) return;
+    const Vec3 apart = at.point - q;
     const double d = apart.norm();
     if (d < 1e-9 || !(apart.z() > 0) ||
         !leaf.is_summit(c, r, -apart.x() / apart.z(), -apart.y() / apart.z(), 0, 0))
       return;
-    report(leaf, c, r, q, apart / d, d, angle);
+    report(leaf, c, r, Where::corner, q, apart / d, d, at);
   }
 
-  // From texel (c, r) to (c + x, r + y): stationary where the circle's tangent has no part along what is
-  // between them, square to the crease.
-  void crease(const Leaf& leaf, int c, int r, int x, int y) const {
-    const Vec3 q = leaf.texel(c, r), along(x * leaf.w, y * leaf.h, leaf.at(c + x, r + y) - q.z());
-    const double length2 = along.squaredNorm();
-    const auto beside = [&](double a) {
-      const Vec3 e = tangent(a);
-      return (point(a) - q).dot(e - e.dot(along) / length2 * along);
-    };
-    double angle;
-    if (!find(beside, angle)) return;
-    const Vec3 p = point(angle), upward = tangent(angle).cross(along);
-    const double t = (p - q).dot(along) / length2;
-    if (t < 0 || t > 1 || !(std::abs(upward.z()) > 1e-6 * upward.norm())) return;
-    const Vec3 normal = std::copysign(1 / upward.norm(), upward.z()) * upward, on = q + t * along;
-    // The slopes of both patches at the crease, across it.
-    const auto rise = [&](int side) {
-      return (1 - t) * leaf.at(c + side * y, r + side * x) + t * leaf.at(c + x + side * y, r + y + side * x) -
-             on.z();
-    };
-    const double across = x == 1 ? leaf.h : leaf.w;
-    const double behind = -rise(-1) / across, ahead = rise(1) / across;
-    const double slope = -(x == 1 ? normal.y() : normal.x()) / normal.z(), more = slope_slack(slope * slope);
-    if (!(behind - ahead > flat_bend) || slope > behind + more || slope < ahead - more) return;
-    report(leaf, c, r, on, normal, (p - on).dot(normal), angle);
-  }
+  void crease_x(const Leaf& leaf, int c, int r) const { crease(leaf, c, r, 1, 0); }
+  void crease_y(const Leaf& leaf, int c, int r) const { crease(leaf, c, r, 0, 1); }
 
   // The inside of a patch: the normal at the foot of a rim point is square to the rim there.
   void patch(const Leaf& leaf, int c, int r) const {
     const Vec3 q = leaf.texel(c, r);
     const double a = leaf.at(c + 1, r) - q.z(), b = leaf.at(c, r + 1) - q.z(),
                  twist = leaf.at(c + 1, r + 1) - q.z() - a - b;
+    // Square to the rim the normal can only be where its part along the rim changes its sign.
+    const auto range = [&](const Vec3& e) {
+      const double x = e.x() / leaf.w, y = e.y() / leaf.h, g = e.z() - a * x - b * y;
+      return std::pair(g + std::min(-twist * x, 0.0) + std::min(-twist * y, 0.0),
+                       g + std::max(-twist * x, 0.0) + std::max(-twist * y, 0.0));
+    };
+    const auto start = range(from_.tangent), end = range(to_.tangent);
+    if (std::min(start.first, end.first) > 0 || std::max(start.second, end.second) < 0) return;
     double s = 0.5, t = 0.5;
     Vec3 on, normal;
-    const auto slope_along = [&](double angle) {
-      const Vec3 p = point(angle) - q;
+    const auto slope_along = [&](const Place& from) {
+      const Vec3 p = from.point - q;
       for (int round = 0; round < 8; ++round) {  // Newton: the foot of p on the patch, however far it goes on
         const double z_s = a + t * twist, z_t = b + s * twist;
         const Vec3 d = Vec3(s * leaf.w, t * leaf.h, s * a + t * b + s * t * twist) - p;
@@ -149,29 +104,84 @@ class RimSearch {
       }
       on = Vec3(s * leaf.w, t * leaf.h, s * a + t * b + s * t * twist);
       normal = Vec3(-(a + t * twist) / leaf.w, -(b + s * twist) / leaf.h, 1).normalized();
-      return normal.dot(tangent(angle));
+      return normal.dot(from.tangent);
     };
-    double angle;
-    if (!find(slope_along, angle)) return;
-    slope_along(angle);
+    Place at;
+    if (!find(slope_along, at)) return;
+    slope_along(at);
     if (s < 0 || s > 1 || t < 0 || t > 1) return;
-    report(leaf, c, r, q + on, normal, (point(angle) - q - on).dot(normal), angle);
+    report(leaf, c, r, Where::patch, q + on, normal, (at.point - q - on).dot(normal), at);
+  }
+
+ private:
+  struct Place {
+    double angle;
+    Vec3 point, out, tangent;
+  };
+  Place place(double angle) const {
+    const double c = std::cos(angle), s = std::sin(angle);
+    const Vec3 out = c * u_ + s * v_;
+    return {angle, rim_.centre + rim_.radius * out, out, c * v_ - s * u_};
+  }
+
+  // Whether f changes its sign along the arc, and where.
+  template <class Function>
+  bool find(const Function& f, Place& at) const {
+    const double f_from = f(from_), f_to = f(to_);
+    if ((f_from < 0) == (f_to < 0)) return false;
+    at = place(root(from_.angle, to_.angle, f_from, f_to, [&](double angle) { return f(place(angle)); }));
+    return true;
+  }
+
+  // From texel (c, r) to (c + x, r + y): stationary where the circle's tangent has no part along what is
+  // between them, square to the crease.
+  void crease(const Leaf& leaf, int c, int r, int x, int y) const {
+    const Vec3 q = leaf.texel(c, r), along(x * leaf.w, y * leaf.h, leaf.at(c + x, r + y) - q.z());
+    const double length2 = along.squaredNorm();
+    // Nowhere a ridge, it is met nowhere.
+    const auto bend = [&](int end) {
+      const int i = c + end * x, j = r + end * y;
+      return 2 * leaf.at(i, j) - leaf.at(i - y, j - x) - leaf.at(i + y, j + x);
+    };
+    if (std::max(bend(0), bend(1)) <= 0) return;
+    const auto beside = [&](const Place& p) {
+      const Vec3& e = p.tangent;
+      return (p.point - q).dot(e - e.dot(along) / length2 * along);
+    };
+    Place at;
+    if (!find(beside, at)) return;
+    const Vec3 &p = at.point, upward = at.tangent.cross(along);
+    const double t = (p - q).dot(along) / length2;
+    if (t < 0 || t > 1 || !(std::abs(upward.z()) > 1e-6 * upward.norm())) return;
+    const Vec3 normal = std::copysign(1 / upward.norm(), upward.z()) * upward, on = q + t * along;
+    // The slopes of both patches at the crease, across it.
+    const auto rise = [&](int side) {
+      return (1 - t) * leaf.at(c + side * y, r + side * x) + t * leaf.at(c + x + side * y, r + y + side * x) -
+             on.z();
+    };
+    const double across = x == 1 ? leaf.h : leaf.w;
+    const double behind = -rise(-1) / across, ahead = rise(1) / across;
+    const double slope = -(x == 1 ? normal.y() : normal.x()) / normal.z(), distance = (p - on).dot(normal),
+                 more = slope_slack(slack_at(distance, asked_.overlap), slope * slope);
+    if (!(behind - ahead > flat_bend) || slope > behind + more || slope < ahead - more) return;
+    report(leaf, c, r, x == 1 ? Where::crease_x : Where::crease_y, on, normal, distance, at);
   }
 
   // Whether the normals of the rim hold -normal; then it is a contact.
-  void report(const Leaf& leaf, int c, int r, const Vec3& q, const Vec3& normal, double distance,
-              double angle) const {
-    if (distance < -asked_.overlap || normal.dot(rim_.normal) > slack || normal.dot(out(angle)) > slack ||
+  void report(const Leaf& leaf, int c, int r, Where where, const Vec3& q, const Vec3& normal, double distance,
+              const Place& at) const {
+    const double most = slack_at(distance, asked_.overlap);
+    if (distance < -asked_.overlap || normal.dot(rim_.normal) > most || normal.dot(at.out) > most ||
         !asked_.surface.placement().covers(q))
       return;
-    asked_.found.add(
-        {q, normal, distance, feature_id(leaf.i + c, leaf.j + r, Part::edge, rim_.index, asked_.child)});
+    asked_.found.add({q, normal, distance,
+                      feature_id(leaf.i + c, leaf.j + r, where, Part::edge, rim_.index, asked_.child)});
   }
 
   const Asked& asked_;
   const Rim& rim_;
   Vec3 u_, v_;
-  double from_ = 0, to_ = 0;
+  Place from_, to_;  // of the arc
 };
 
 }  // namespace

@@ -67,4 +67,11 @@ inline std::vector<Body> bodies(double size) {
   return out;
 }
 
+inline Body body(const std::string& name, double size) {
+  for (const Body& b : bodies(size)) {
+    if (b.name == name) return b;
+  }
+  std::abort();
+}
+
 }  // namespace intaglio::tests
