@@ -17,13 +17,14 @@ struct Approach {
   Vec3 velocity;  // at the end of the step if nothing touched, m/s
   Vec3 spin;      // rad/s
   double reach;   // of the body around its position, m
+  double lever;   // how far from its position turning moves its surface: 0 of a ball
   double dt;      // s
 
   Approach(const btCollisionObjectWrapper& body, const btCollisionObjectWrapper& textured, double dt);
 
   Vec3 velocity_at(const Vec3& point) const { return velocity + spin.cross(point - pose.position); }
   // How far any of its points may move.
-  double travel() const { return (velocity.norm() + spin.norm() * reach) * dt; }
+  double travel() const { return (velocity.norm() + spin.norm() * lever) * dt; }
   // Where it will be at the end of the step, kept by `contacts` from going through what they touch.
   Pose predicted(const contact::ContactSet& contacts) const;
 };

@@ -3,8 +3,11 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
+#include "intaglio/contact/mass.h"
+#include "intaglio/contact/polyhedron.h"
 #include "intaglio/core/random.h"
 #include "intaglio/dynamics/world.h"
 #include "intaglio/surface/closest.h"
@@ -25,6 +28,36 @@ inline Material material(double friction = 0.5) {
   out.friction = friction;
   out.restitution = 0;
   out.rolling_resistance = 0;
+  return out;
+}
+
+struct NamedShape {
+  std::string name;
+  contact::Shape shape;
+};
+
+// One of each kind, some 10 cm of radius.
+inline std::vector<NamedShape> shapes() {
+  std::vector<Vec3> corners;
+  for (int k = 0; k < 32; ++k) {
+    const double y = 1 - (2 * k + 1.0) / 32, angle = k * std::numbers::pi * (3 - std::sqrt(5.0));
+    const double across = std::sqrt(1 - y * y);
+    corners.push_back(0.15 * Vec3(across * std::cos(angle), 0.6 * y, across * std::sin(angle)));
+  }
+  // Flat below, to slide on.
+  for (Vec3& corner : corners) corner.y() = std::max(corner.y(), -0.06);
+  return {{"sphere", contact::Sphere{radius}},
+          {"box", contact::Box{{0.15, 0.1, 0.2}}},
+          {"hull", contact::ConvexHull{*contact::convex_hull(corners)}},
+          {"capsule", contact::Capsule{0.08, 0.12}},
+          {"cylinder", contact::Cylinder{0.1, 0.08}}};
+}
+
+inline dynamics::ShapeBody body(const contact::Shape& shape, const Vec3& position, double friction = 0.5) {
+  dynamics::ShapeBody out;
+  out.shape = shape;
+  out.material = material(friction);
+  out.pose.position = position;
   return out;
 }
 
@@ -69,7 +102,15 @@ inline dynamics::World world(std::shared_ptr<const surface::Surface> s, const dy
   return out;
 }
 
-// Kinetic and potential, joules.
+// Kinetic and potential, joules, of a body whose frame is in its centre of mass.
+inline double energy(const dynamics::World& world, BodyId id, const dynamics::ShapeBody& body) {
+  const contact::MassProperties of = contact::mass_properties(body.shape);
+  const Pose pose = world.pose(id);
+  const Vec3 spin = pose.orientation.conjugate() * world.angular_velocity(id);
+  return body.material.density *
+         (0.5 * of.volume * world.velocity(id).squaredNorm() + 0.5 * spin.dot(of.inertia * spin) +
+          of.volume * gravity * pose.to_world(of.centre).y());
+}
 inline double energy(const dynamics::World& world, BodyId id, const dynamics::SphereBody& ball) {
   const double inertia = 0.4 * ball.mass() * ball.radius * ball.radius;
   return 0.5 * ball.mass() * world.velocity(id).squaredNorm() +
