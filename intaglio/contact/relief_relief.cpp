@@ -5,6 +5,7 @@
 #include "intaglio/contact/leaf_walk.h"
 #include "intaglio/contact/pairs.h"
 #include "intaglio/contact/question.h"
+#include "intaglio/contact/range_over.h"
 #include "intaglio/contact/slack.h"
 #include "intaglio/surface/closest.h"
 
@@ -41,11 +42,7 @@ class CornerSearch {
   // `frame` takes points of `from` to the frame of `onto`.
   CornerSearch(const surface::Surface& from, const surface::Surface& onto, const Frame& frame, double overlap,
                Candidates& found)
-      : from_(from), onto_(onto), frame_(frame), overlap_(overlap), found_(found) {
-    const surface::Pyramid::Range whole = onto.pyramid().whole();
-    top_ = -onto.max_depth() * whole.shallow;
-    bottom_ = -onto.max_depth() * whole.deep;
-  }
+      : from_(from), onto_(onto), frame_(frame), overlap_(overlap), found_(found) {}
 
   // Calls add(Met) for every corner that is within reach.
   template <class Add>
@@ -74,9 +71,12 @@ class CornerSearch {
         0.5 * (piece.side_x + piece.side_y).norm() + 0.5 * (piece.side_x - piece.side_y).norm() + piece.play;
     const double reach = radius + std::max(found_.limit(), overlap_);
     const surface::Placement& place = onto_.placement();
-    return middle.x() >= -reach && middle.y() >= -reach && middle.x() <= place.size_u() + reach &&
-           middle.y() <= place.size_v() + reach && middle.z() <= top_ + reach &&
-           middle.z() >= bottom_ - reach;
+    if (middle.x() < -reach || middle.y() < -reach || middle.x() > place.size_u() + reach ||
+        middle.y() > place.size_v() + reach)
+      return false;
+    const Vec2 at = middle.head<2>(), aside = Vec2::Constant(reach);
+    const HeightRange range = range_over(onto_, at - aside, at + aside);
+    return middle.z() <= range.high + reach && middle.z() >= range.low - reach;
   }
 
   template <class Visit>
@@ -99,9 +99,10 @@ class CornerSearch {
     if (!(rise(-1) + rise(1) < -flat_bend * across)) return;
     const Vec3 from = frame_(leaf.texel(c, r)), to = frame_(leaf.texel(c + x, r + y)),
                along = (to - from).normalized();
-    // Farther up than this it is not within reach, were the other relief ever so steep.
     const Vec3 middle = 0.5 * (from + to);
-    if (middle.z() > top_ + found_.limit() + (to - from).norm()) return;
+    const double reach = std::max(found_.limit(), overlap_) + 0.5 * (to - from).norm();
+    const Vec2 at = middle.head<2>(), aside = Vec2::Constant(reach);
+    if (middle.z() > range_over(onto_, at - aside, at + aside).high + reach) return;
     const auto flank = [&](int side) {
       const Vec3 d = frame_.axes * Vec3(side * y * across, side * x * across, rise(side));
       return Vec3((d - d.dot(along) * along).normalized());
@@ -144,7 +145,7 @@ class CornerSearch {
 
   const surface::Surface &from_, &onto_;
   const Frame& frame_;
-  double overlap_, top_, bottom_;
+  double overlap_;
   Candidates& found_;
 };
 
