@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "intaglio/contact/pairs.h"
+#include "intaglio/contact/range_over.h"
 #include "intaglio/contact/side_pairs.h"
 
 namespace intaglio::contact {
@@ -31,28 +32,6 @@ class Placed {
   const Vec3& scale_;
   const Frame& frame_;
 };
-
-// The highest point of the relief anywhere near the rectangle low..high.
-double top_over(const surface::Surface& surface, const Vec2& low, const Vec2& high) {
-  using surface::Pyramid;
-  const Pyramid& pyramid = surface.pyramid();
-  const double w = surface.texel_u(), h = surface.texel_v();
-  const auto cell = [&](double at, double size, int cells) {
-    return static_cast<int>(std::clamp(std::floor(at / size - 0.5) - pyramid.first(), 0.0, cells - 1.0));
-  };
-  const int i0 = cell(low.x(), w, pyramid.columns()), i1 = cell(high.x(), w, pyramid.columns()),
-            j0 = cell(low.y(), h, pyramid.rows()), j1 = cell(high.y(), h, pyramid.rows());
-  int level = 1;
-  while (level < pyramid.levels() && Pyramid::side(level) < std::max(i1 - i0, j1 - j0)) ++level;
-  if (level >= pyramid.levels()) return -surface.max_depth() * pyramid.whole().shallow;
-  double shallow = 1;
-  const int side = Pyramid::side(level);
-  for (int y = j0 / side; y <= j1 / side; ++y) {
-    for (int x = i0 / side; x <= i1 / side; ++x)
-      shallow = std::min(shallow, pyramid.range(level, x, y).shallow);
-  }
-  return -surface.max_depth() * shallow;
-}
 
 // One face against the corners of the relief.
 class FaceSearch {
@@ -138,7 +117,7 @@ void polyhedron_pairs(const Asked& asked, const Polyhedron& form, const Vec3& sc
   const Placed body(form, scale, frame);
   const double wide = form.radius * scale.maxCoeff() + std::max(asked.found.limit(), asked.overlap);
   const Vec2 at = frame.origin.head<2>(), aside = Vec2::Constant(wide);
-  const double top = top_over(asked.surface, at - aside, at + aside);
+  const double top = range_over(asked.surface, at - aside, at + aside).high;
   for (int k = 0; k < int(form.vertices.size()); ++k) corner(asked, body, k, top);
   for (int k = 0; k < int(form.faces.size()); ++k) FaceSearch(asked, body, k, top);
   for (int k = 0; k < int(form.edges.size()); ++k) edge(asked, body, k, top);
