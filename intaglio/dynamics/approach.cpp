@@ -30,7 +30,8 @@ Approach::Approach(const btCollisionObjectWrapper& body, const btCollisionObject
   btScalar radius;
   body.getCollisionShape()->getBoundingSphere(middle, radius);
   reach = static_cast<double>(radius + middle.length());
-  lever = body.getCollisionObject()->getCollisionShape()->getShapeType() == SPHERE_SHAPE_PROXYTYPE ? 0 : reach;
+  lever =
+      body.getCollisionObject()->getCollisionShape()->getShapeType() == SPHERE_SHAPE_PROXYTYPE ? 0 : reach;
   const btTransform& frame = textured.getWorldTransform();
   pose = from_bullet(frame.inverseTimes(body.getWorldTransform()));
   const Motion motion = free_motion(*body.getCollisionObject(), dt);

@@ -17,7 +17,9 @@ double relief_gap(const surface::Surface& relief, const contact::Shape& shape, c
   if (!nearest) return 0;
   const contact::ContactSet set =
       relief_contacts(relief, shape, pose, std::max(nearest->distance, 0.0) + 1e-6);
-  return set.count > 0 ? set.points[0].distance : nearest->distance - bounding_radius(shape);
+  // Overlap is small or a mistake: nothing is drawn deeper than by a hundredth of its size.
+  const double reach = bounding_radius(shape);
+  return set.count > 0 ? std::max(set.points[0].distance, -0.01 * reach) : nearest->distance - reach;
 }
 
 double flat_gap(const surface::Surface& map, const contact::Shape& shape, const Pose& pose) {

@@ -33,8 +33,9 @@ void set_feature(btManifoldPoint& point, std::uint64_t feature) {
   point.m_partId1 = static_cast<int>(static_cast<std::uint32_t>(feature >> 32));
   point.m_index1 = static_cast<int>(static_cast<std::uint32_t>(feature));
 }
-bool same_feature(const btManifoldPoint& a, const btManifoldPoint& b) {
-  return a.m_partId1 == b.m_partId1 && a.m_index1 == b.m_index1;
+bool has_feature(const btManifoldPoint& point, std::uint64_t feature) {
+  return static_cast<std::uint32_t>(point.m_partId1) == static_cast<std::uint32_t>(feature >> 32) &&
+         static_cast<std::uint32_t>(point.m_index1) == static_cast<std::uint32_t>(feature);
 }
 
 class SurfaceAlgorithm : public btCollisionAlgorithm {
@@ -121,6 +122,12 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
     std::size_t count = 0;
     for (const contact::ContactPoint& c : contacts) {
       double distance = c.distance;
+      // What was not there a step ago cannot be deeper than the body has come since.
+      const bool is_old = std::any_of(old.begin(), old.begin() + static_cast<std::ptrdiff_t>(old_count),
+                                      [&](const btManifoldPoint& p) { return has_feature(p, c.feature); });
+      if (!is_old && old_count > 0 && contacts.count > 1 &&
+          distance < -(approach.travel() + 0.02 * approach.reach))
+        continue;
       // A contact that bounces must do so at full speed, not be braked softly ahead of the touch as Bullet
       // does with positive distances: it happens in whichever step ends nearest to the touch.
       const double speed = -approach.velocity_at(c.point).dot(c.normal);
@@ -138,7 +145,7 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
       point.m_appliedImpulse = 0;
       point.m_lifeTime = 0;
       for (std::size_t k = 0; k < old_count; ++k) {
-        if (!same_feature(old[k], point)) continue;
+        if (!has_feature(old[k], c.feature)) continue;
         point.m_appliedImpulse = old[k].m_appliedImpulse;
         point.m_lifeTime = old[k].m_lifeTime + 1;
       }

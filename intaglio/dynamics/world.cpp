@@ -117,8 +117,11 @@ void World::State::pay_for_lift(Body& body) {
   const double mass = 1 / static_cast<double>(body.rigid->getInvMass());
   const double kinetic = energy(*body.rigid) +
                          mass * options.gravity.dot(from_bullet(body.rigid->getWorldTransform().getOrigin()));
-  if (gained <= 0 || kinetic <= 0) return;
-  const double kept = std::sqrt(std::max(0.0, 1 - gained / kinetic));
+  if (gained <= 0) return;
+  // Who cannot pay is not lifted, and goes on overlapping by a hair; but a body that is deep in is rescued.
+  if (gained > kinetic && gained < mass * options.gravity.norm() * 2e-3 * body.reach)
+    body.rigid->setCenterOfMassTransform(body.last_good);
+  const double kept = kinetic > gained ? std::sqrt(1 - gained / kinetic) : 0;
   const Vec3 velocity = from_bullet(body.rigid->getLinearVelocity());
   const Vec3 impulse = mass * (kept - 1) * velocity;
   body.rigid->setLinearVelocity(to_bullet(kept * velocity));
