@@ -271,12 +271,16 @@ std::unique_ptr<btConvexShape> hull() {
 
 class Bench {
  public:
-  explicit Bench(bool quick, bool prints) : throws_(quick ? 2 : 8), prints_(prints) {
+  enum class Output { table, csv, json };
+
+  Bench(bool quick, Output output) : throws_(quick ? 2 : 8), output_(output) {
     bodies_.push_back({"sphere", std::make_unique<btSphereShape>(btScalar(radius))});
     bodies_.push_back(
         {"box", std::make_unique<btBoxShape>(btVector3(btScalar(0.15), btScalar(0.1), btScalar(0.2)))});
     bodies_.push_back({"hull of 32", hull()});
-    if (prints_)
+    if (output_ == Output::csv)
+      fmt::print("floor,texels,body,count,us,us_p99,penetration_p95_mm,build_ms,mib\n");
+    if (output_ == Output::table)
       fmt::print("{:<24}{:>6}  {:<11}{:>6}{:>10}{:>10}{:>9}{:>10}{:>9}\n", "floor", "texels", "body", "count",
                  "us", "p99", "in, mm", "built, ms", "MiB");
   }
@@ -294,14 +298,17 @@ class Bench {
     const int throws = std::max(1, throws_ * 10 / std::max(10, count / 10));
     rows_.push_back(Run(floor, *body.shape, count).measure(body.name, throws));
     const Row& r = rows_.back();
-    if (prints_)
+    if (output_ == Output::csv)
+      fmt::print("\"{}\",{},{},{},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g}\n", r.floor, r.size, r.body, r.count,
+                 r.us, r.p99, r.penetration_mm, r.build_ms, r.mib);
+    if (output_ == Output::table)
       fmt::print("{:<24}{:>6}  {:<11}{:>6}{:>10.2f}{:>10.2f}{:>9.3f}{:>10.2f}{:>9.2f}\n", r.floor, r.size,
                  r.body, r.count, r.us, r.p99, r.penetration_mm, r.build_ms, r.mib);
     std::fflush(stdout);
   }
 
   int throws_;
-  bool prints_;
+  Output output_;
   std::vector<Body> bodies_;
   std::vector<Row> rows_;
 };
@@ -364,6 +371,18 @@ void print_ratios(const std::vector<Row>& rows) {
         find("relief, ours", "sphere", 512, 100), 2.5);
 }
 
+void print_json(const std::vector<Row>& rows) {
+  fmt::print("[\n");
+  for (const Row& r : rows) {
+    fmt::print(
+        "  {{\"floor\": \"{}\", \"texels\": {}, \"body\": \"{}\", \"count\": {}, \"us\": {:.4g}, \"us_p99\": {:.4g}, "
+        "\"penetration_p95_mm\": {:.4g}, \"build_ms\": {:.4g}, \"mib\": {:.4g}}}{}\n",
+        r.floor, r.size, r.body, r.count, r.us, r.p99, r.penetration_mm, r.build_ms, r.mib,
+        &r == &rows.back() ? "" : ",");
+  }
+  fmt::print("]\n");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -380,22 +399,9 @@ int main(int argc, char** argv) {
       return 2;
     }
   }
-  Bench bench(quick, !json && !csv);
+  Bench bench(quick, json ? Bench::Output::json : csv ? Bench::Output::csv : Bench::Output::table);
   measure(bench, quick);
-  if (csv) fmt::print("floor,texels,body,count,us,us_p99,penetration_p95_mm,build_ms,mib\n");
-  if (json) fmt::print("[\n");
-  for (const Row& r : bench.rows()) {
-    if (csv)
-      fmt::print("\"{}\",{},{},{},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g}\n", r.floor, r.size, r.body, r.count,
-                 r.us, r.p99, r.penetration_mm, r.build_ms, r.mib);
-    if (json)
-      fmt::print(
-          "  {{\"floor\": \"{}\", \"texels\": {}, \"body\": \"{}\", \"count\": {}, \"us\": {:.4g}, \"us_p99\": {:.4g}, "
-          "\"penetration_p95_mm\": {:.4g}, \"build_ms\": {:.4g}, \"mib\": {:.4g}}}{}\n",
-          r.floor, r.size, r.body, r.count, r.us, r.p99, r.penetration_mm, r.build_ms, r.mib,
-          &r == &bench.rows().back() ? "" : ",");
-  }
-  if (json) fmt::print("]\n");
+  if (json) print_json(bench.rows());
   if (!json && !csv) print_ratios(bench.rows());
   return 0;
 }
