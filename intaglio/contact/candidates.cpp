@@ -26,6 +26,7 @@ ContactPoint reported(const surface::Surface& surface, const Candidate& c) {
 
 void Candidates::add(const Candidate& candidate) {
   if (!(candidate.distance <= limit_)) return;
+  overlaps_ = overlaps_ || candidate.distance < 0;
   if (count_ < capacity) {
     kept_[count_++] = candidate;
     if (count_ == capacity) find_shallowest();
@@ -45,8 +46,7 @@ void Candidates::find_shallowest() {
 }
 
 bool Candidates::use_spare() {
-  if (!has_spare_ || std::any_of(begin(), end(), [](const Candidate& c) { return c.distance < 0; }))
-    return false;
+  if (!has_spare_ || overlaps_) return false;
   add(spare_);
   return true;
 }

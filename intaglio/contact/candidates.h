@@ -52,6 +52,8 @@ class Candidates {
   const Candidate* begin() const { return kept_.data(); }
   const Candidate* end() const { return kept_.data() + count_; }
   bool overflowed() const { return overflowed_; }
+  // Whether any that was added overlaps.
+  bool overlaps() const { return overlaps_; }
 
   void add(const Candidate& candidate);
 
@@ -72,7 +74,7 @@ class Candidates {
   std::array<Candidate, capacity> kept_;
   std::size_t count_ = 0, shallowest_ = 0;
   double limit_;
-  bool overflowed_ = false, has_spare_ = false;
+  bool overflowed_ = false, overlaps_ = false, has_spare_ = false;
   Candidate spare_;
 };
 

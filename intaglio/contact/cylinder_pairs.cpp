@@ -25,10 +25,10 @@ void cylinder_pairs(const Asked& asked, const Cylinder& cylinder, const Frame& f
                      r * std::sqrt(std::max(0.0, 1 - axis.y() * axis.y())));
     rim_pairs(asked, {centre, normal, r, end});
     if (!(normal.z() < 0)) continue;
-    const auto inside = [&](const Vec3& q, double distance) {
+    const auto inside = [&](const Vec3& q, double distance, const auto&) {
       const Vec3 from = q - centre;
       const double beside = (from - from.dot(normal) * normal).norm() - r;
-      return distance < 0 ? beside <= distance : beside <= 0;
+      return beside <= (distance < 0 ? 0.5 * distance : 0);
     };
     side_pairs(asked, {normal, normal.dot(centre), centre.head<2>() - aside, centre.head<2>() + aside, end},
                inside);

@@ -3,8 +3,9 @@
 //
 // What counts as overlapping, distance < 0:
 //   corner of the body, below the relief:   its nearest point of the relief, however deep;
-//   face of the body, relief corner inside: when no other face that is not turned up is nearer to that corner
-//                                           (convex), or not deeper than `overlap` (mesh);
+//   face of the body, relief corner inside: when that corner is nearer to no other face that could rest on
+//                                           it, and not less than half as far from any that is not turned
+//                                           up (convex), or not deeper than `overlap` (mesh);
 //   edge of the body and crease or patch:   not deeper than `overlap`, the greater of the margin and a
 //                                           texel; of a round body that much of the axis below the relief.
 // Each pair must be a least gap give or take slack.h: the common normal among the outer normals of both

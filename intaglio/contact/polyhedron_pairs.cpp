@@ -48,23 +48,26 @@ class FaceSearch {
       high = high.cwiseMax(v);
     }
     if (low.z() > top + asked.found.limit()) return;
-    side_pairs(asked, {normal_, offset_, low.head<2>(), high.head<2>(), index},
-               [this](const Vec3& q, double distance) { return counts(q, distance); });
+    side_pairs(
+        asked, {normal_, offset_, low.head<2>(), high.head<2>(), index},
+        [this](const Vec3& q, double distance, const auto& rests) { return counts(q, distance, rests); });
   }
 
  private:
-  bool counts(const Vec3& q, double distance) const {
-    if (distance < 0 && body_.form.convex) return is_nearest(q, distance);
+  template <class Rests>
+  bool counts(const Vec3& q, double distance, const Rests& rests) const {
+    if (distance < 0 && body_.form.convex) return is_nearest(q, distance, rests);
     return distance >= -asked_.overlap && is_under(q, distance);
   }
 
-  // Whether a point inside of all faces that are turned up is nearer to none of the others.
-  bool is_nearest(const Vec3& q, double distance) const {
+  // Whether a point inside is nearer to no other face that could rest on it, and not much nearer to any.
+  template <class Rests>
+  bool is_nearest(const Vec3& q, double distance, const Rests& rests) const {
     for (int f = 0; f < int(body_.form.faces.size()); ++f) {
       if (f == index_) continue;
       const Vec3 n = body_.normal(f);
       const double other = n.dot(q - body_.vertex(body_.corner(body_.form.faces[std::size_t(f)], 0)));
-      if (other > (n.z() < 0 ? distance : 0)) return false;
+      if (other > 0 || (n.z() < 0 && other > distance && (2 * other > distance || rests(n)))) return false;
     }
     return true;
   }
