@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "intaglio/contact/relief_relief.h"
 #include "intaglio/dynamics/approach.h"
 #include "intaglio/dynamics/bullet_shape.h"
 #include "intaglio/dynamics/bullet_vec.h"
@@ -46,6 +47,8 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
         shape_(from_bullet(*body.getCollisionShape())),
         swapped_(swapped),
         reports_(reports) {
+    if (body.getCollisionShape()->getShapeType() == CUSTOM_CONCAVE_SHAPE_TYPE)
+      relief_ = static_cast<const TexturedShape*>(body.getCollisionShape());
     add_manifold(*body.getCollisionObject(), *textured.getCollisionObject());
   }
   ~SurfaceAlgorithm() override {
@@ -61,7 +64,7 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
     const Approach approach(body, textured, static_cast<double>(info.m_timeStep));
     const double slack = 0.01 * std::min(shape.surface().texel_u(), approach.reach);
     contact::ContactSet contacts;
-    if (is_near(shape, approach)) contacts = contacts_ahead(shape, shape_, approach, slack);
+    if (is_near(shape, approach)) contacts = contacts_of(shape, approach, slack);
     fill(contacts, approach, *body.getCollisionObject(), *textured.getCollisionObject(),
          textured.getWorldTransform());
   }
@@ -90,6 +93,13 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
     const Vec3 away = Vec3::Constant(far);
     return shape.is_near(to_bullet(Vec3(approach.pose.position - away)),
                          to_bullet(Vec3(approach.pose.position + away)));
+  }
+
+  contact::ContactSet contacts_of(const TexturedShape& shape, const Approach& approach, double slack) const {
+    if (relief_ == nullptr) return contacts_ahead(shape, shape_, approach, slack);
+    const double texel = std::min(shape.surface().texel_u(), shape.surface().texel_v());
+    return contact::relief_relief_contacts({relief_->relief(), approach.pose}, {shape.relief(), {}},
+                                           std::min(approach.travel() + slack, texel));
   }
 
   // For contactTest and its kin, who collect the points themselves. B is who is second in the manifold.
@@ -170,7 +180,8 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
 
   std::array<btPersistentManifold*, most_manifolds> manifolds_{};
   std::size_t manifold_count_ = 0;
-  contact::Shape shape_;  // of the body; Bullet makes a new algorithm when it changes
+  const TexturedShape* relief_ = nullptr;  // of the body, when it is textured itself
+  contact::Shape shape_;                   // of the body; Bullet makes a new algorithm when it changes
   bool swapped_, reports_;
 };
 

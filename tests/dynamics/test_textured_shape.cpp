@@ -5,45 +5,18 @@
 #include <memory>
 #include <vector>
 
-#include "intaglio/dynamics/textured_shape.h"
 #include "tests/dynamics/brick_scene.h"
+#include "tests/dynamics/plain_bullet.h"
 
 using namespace intaglio;
 using namespace intaglio::dynamics;
+using tests::PlainBullet;
 namespace scene = intaglio::tests::brick_scene;
 
 namespace {
 
-struct PlainBullet {
-  btDefaultCollisionConfiguration configuration;
-  btCollisionDispatcher dispatcher{&configuration};
-  btDbvtBroadphase broadphase;
-  btSequentialImpulseConstraintSolver solver;
-  btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
-  TexturedShape shape;
-  std::vector<std::unique_ptr<btRigidBody>> bodies;
-
-  explicit PlainBullet(std::shared_ptr<const surface::Surface> s, const ContactOptions& options = {})
-      : shape(std::move(s), options) {
-    register_algorithms(dispatcher);
-    world.setGravity({0, btScalar(-scene::gravity), 0});
-  }
-  ~PlainBullet() {
-    for (const auto& body : bodies) world.removeRigidBody(body.get());
-  }
-  btRigidBody& add(btScalar mass, btCollisionShape& of, const btVector3& position) {
-    btVector3 inertia(0, 0, 0);
-    if (mass > 0) of.calculateLocalInertia(mass, inertia);
-    bodies.push_back(
-        std::make_unique<btRigidBody>(btRigidBody::btRigidBodyConstructionInfo(mass, nullptr, &of, inertia)));
-    bodies.back()->getWorldTransform().setOrigin(position);
-    world.addRigidBody(bodies.back().get());
-    return *bodies.back();
-  }
-};
-
 double height_after_fall(PlainBullet& plain, btRigidBody& body) {
-  for (int k = 0; k < 240; ++k) plain.world.stepSimulation(btScalar(1) / 60, 0);
+  plain.run(4);
   return static_cast<double>(body.getWorldTransform().getOrigin().y());
 }
 
