@@ -10,19 +10,34 @@
 namespace intaglio::contact {
 
 struct ContactPoint {
-  Vec3 point = Vec3::Zero();    // on the surface
+  Vec3 point = Vec3::Zero();    // on the surface; the body's point is point + distance * normal
   Vec3 normal = Vec3::UnitY();  // unit, along which the body is pushed
   Vec3 n_s = Vec3::UnitY();     // unit, normal of the map there
   double distance = 0;          // gap; negative = penetration
   Vec2 uv = Vec2::Zero();
-  std::uint64_t feature = 0;  // names what is touched; the same from step to step while it is the same
+  std::uint64_t feature = 0;  // names what touches what; the same from step to step while it is the same
 };
 
-// Up to four contact points (what Bullet's manifold holds), deepest first.
+// What a query wants its caller to know: bits, more than one may be set.
+namespace status {
+inline constexpr unsigned ok = 0;
+inline constexpr unsigned bad_pose = 1;  // not finite, or no rotation: nothing was asked
+inline constexpr unsigned no_size = 2;   // a shape without size, or not finite, or null: left out
+inline constexpr unsigned off_edge = 4;  // no part of the body is over the rectangle
+inline constexpr unsigned far = 8;       // so far away (1e5 sides) that digits are lost: nothing was asked
+inline constexpr unsigned under = 16;    // wholly under the surface: pushed up along n_g
+inline constexpr unsigned wide_margin = 32;  // the margin was limited (too fast for this step): sub-step
+inline constexpr unsigned limit = 64;        // more candidates than are kept: the deepest were kept
+inline constexpr unsigned deep =
+    128;  // overlapping, but no least gap tells the way out: one of the next best
+}  // namespace status
+
+// Up to six contact points, chosen to support the body; the first is the deepest.
 struct ContactSet {
-  static constexpr std::size_t capacity = 4;
+  static constexpr std::size_t capacity = 6;
   std::array<ContactPoint, capacity> points;
   std::size_t count = 0;
+  unsigned status = status::ok;
 
   const ContactPoint* begin() const { return points.data(); }
   const ContactPoint* end() const { return points.data() + count; }

@@ -2,31 +2,31 @@
 //
 // Fixed steps, deterministic: the same bodies and steps give the same motion. Not thread-safe; one thread at
 // a time. Cost of a step: about 3 us a body for Bullet itself, plus the contact query of its representation
-// (contact/sphere.h). Bullet computes in 32-bit floats: keep the scene within some metres of the origin.
+// (docs/contact-bench.md). Bullet computes in 32-bit floats: keep the scene within some metres of the origin.
+// A body that moves farther than a texel in a step makes the world take smaller ones inside.
 #pragma once
 
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "intaglio/contact/contact_point.h"
+#include "intaglio/contact/shape.h"
 #include "intaglio/core/event.h"
 #include "intaglio/core/material.h"
-#include "intaglio/core/representation.h"
+#include "intaglio/dynamics/method.h"
 #include "intaglio/surface/surface.h"
 
 namespace intaglio::dynamics {
-
-// How contacts with a relief are found (contact/sphere.h).
-enum class ContactMethod {
-  closest,      // ours: closest features, true penetration
-  directional,  // the paper's: height maps compared along n_g, §1.3.1
-};
 
 struct WorldOptions {
   Representation representation = Representation::relief;
   ContactMethod method = ContactMethod::closest;
   Vec3 gravity = Vec3(0, -9.81, 0);  // m/s^2
   double step = 1.0 / 480;           // s
+  NormalMethod normal_method = NormalMethod::implied;
+  bool bodies_collide = true;  // with each other
+  int most_substeps = 8;       // of one step, when bodies are fast
 };
 
 struct SphereBody {
@@ -39,14 +39,33 @@ struct SphereBody {
   double mass() const;  // kg, solid
 };
 
+// A solid body of any shape that contact/ knows, of even density. `pose` is that of the shape's frame,
+// wherever its centre of mass is; the velocity is that of the centre of mass.
+struct ShapeBody {
+  contact::Shape shape;
+  Material material;
+  Pose pose;
+  Vec3 velocity = Vec3::Zero();          // m/s
+  Vec3 angular_velocity = Vec3::Zero();  // rad/s
+
+  double mass() const;  // kg
+};
+
+// What World::status adds to the bits of contact::status (contact/contact_point.h).
+inline constexpr unsigned not_simulated = 1u
+                                          << 16;  // it stays where it was put: no size, not finite, or lost
+inline constexpr unsigned slowed = 1u << 17;      // it was faster than contacts can be foreseen
+
 class World {
  public:
   World(std::shared_ptr<const surface::Surface> floor, const Material& floor_material,
         const WorldOptions& options);
   ~World();
+  World(World&&) noexcept;
 
-  // Bodies are numbered from 1; 0 is the floor.
+  // Bodies are numbered from 1; 0 is the floor. Positions and velocities are those of the body as drawn.
   BodyId add(const SphereBody& body);
+  BodyId add(const ShapeBody& body);
 
   // An impulse through the body's centre (N s), from something outside this world: a pen. Wakes the body.
   void push(BodyId body, const Vec3& impulse);
@@ -57,9 +76,14 @@ class World {
   std::span<const ContactEvent> events() const;
   double time() const;  // s, end of the last step
   std::size_t body_count() const;
+  // Where the body is simulated. Over a normal map that is on the relief that the normals imply; it is drawn,
+  // and heard, on the flat floor (drawn.h). Everywhere else both are the same.
   Pose pose(BodyId body) const;
+  Pose drawn_pose(BodyId body) const;
   Vec3 velocity(BodyId body) const;
   Vec3 angular_velocity(BodyId body) const;
+  // What is the matter with a body as of the last step: bits of contact::status, and the two above.
+  unsigned status(BodyId body) const;
 
   // The worst disagreement so far between the momentum a body gained in a step and the impulses reported for
   // it (Eq. 1.1) plus gravity's, N s. Rounding only, when no contact is lost or counted twice.

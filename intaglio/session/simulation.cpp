@@ -271,7 +271,7 @@ Snapshot Simulation::advance_to_frame(std::int64_t index) {
   run_until(clock_.due(index, scene_.video.fps));
   Snapshot snapshot;
   snapshot.time = clock_.seconds(clock_.due(index, scene_.video.fps));
-  for (const BallTrack& ball : recording_.balls) snapshot.balls.push_back(world_.pose(ball.body));
+  for (const BallTrack& ball : recording_.balls) snapshot.balls.push_back(world_.drawn_pose(ball.body));
   if (!recording_.servo.empty()) snapshot.pen_tip = recording_.servo.back().proxy;
   return snapshot;
 }
@@ -321,7 +321,7 @@ void Simulation::step_physics() {
   physics_cost_.measure([&] { world_.step(); });
   ++physics_done_;
   for (const ContactEvent& event : world_.events()) record(event);
-  for (BallTrack& ball : recording_.balls) ball.position.push_back(world_.pose(ball.body).position);
+  for (BallTrack& ball : recording_.balls) ball.position.push_back(world_.drawn_pose(ball.body).position);
 }
 
 haptics::SceneSnapshot Simulation::scene_snapshot() const {

@@ -1,0 +1,407 @@
+// What a step costs: bench_contact [--json | --csv] [--quick]. One scene, one run, thread-CPU time.
+//
+// The scene: built-in bricks, 4 m a side, 8 cm deep, slopes up to 77 degrees; bodies of about 10 cm that move
+// at up to 1 m/s, each for itself, none asleep; a plain Bullet world at 60 Hz with its own settings (10
+// iterations); only the floor's shape changes. Floors: Bullet's plane; Bullet's triangle mesh and height
+// field of the same texels; TexturedShape in all its ways. Bodies are thrown anew every half second. `us` is
+// the time of a whole step, solver and all, divided by the bodies: median and 99th percentile over steps;
+// `in` is how deep bodies were in the true relief (p95 over bodies and steps, spheres only), mm, of the
+// floors that are relief. Textures above 1024 texels a side are upsampled (bench/surface.cpp says how).
+#include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
+#include <btBulletDynamicsCommon.h>
+#include <fmt/format.h>
+#include <time.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "intaglio/core/random.h"
+#include "intaglio/dynamics/textured_shape.h"
+#include "intaglio/surface/closest.h"
+#include "intaglio/surface/import.h"
+
+using namespace intaglio;
+using namespace intaglio::dynamics;
+
+namespace {
+
+constexpr double side = 4, depth = 0.08, radius = 0.1;
+constexpr int rate = 60;
+
+using SharedSurface = std::shared_ptr<const surface::Surface>;
+
+double cpu_seconds() {
+  timespec t;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+SharedSurface bricks(int size) {
+  const surface::Placement placement(Vec3::Zero(), Quat::Identity(), side, side);
+  surface::BrickRecipe recipe;
+  recipe.size = std::min(size, 1024);
+  auto made = std::make_shared<const surface::Surface>(to_texels(make_brick(recipe)), placement, depth,
+                                                       surface::Edge::wrap);
+  if (size <= 1024) return made;
+  surface::Texels fine;
+  fine.width = fine.height = size;
+  fine.depth.reserve(std::size_t(size) * std::size_t(size));
+  fine.normal.reserve(fine.depth.capacity());
+  for (int j = 0; j < size; ++j) {
+    for (int i = 0; i < size; ++i) {
+      const surface::Smooth s = made->smooth({(i + 0.5) / size, (j + 0.5) / size});
+      fine.depth.push_back(static_cast<float>(std::clamp(-s.height / depth, 0.0, 1.0)));
+      fine.normal.push_back(Vec3(-s.gradient.x(), -s.gradient.y(), 1).normalized());
+    }
+  }
+  fine.colour = Image8(1, 1, 3);
+  return std::make_shared<const surface::Surface>(std::move(fine), placement, depth, surface::Edge::wrap);
+}
+
+// A floor that can be measured, and all that it needs to live.
+struct Floor {
+  std::string name;
+  int size = 0;  // texels a side
+  double build_ms = 0, bytes = 0;
+  bool is_relief = true;
+  SharedSurface surface;
+  std::unique_ptr<btTriangleMesh> triangles;
+  std::vector<float> heights;
+  std::unique_ptr<btCollisionShape> shape;
+  btVector3 at{0, 0, 0};
+};
+
+// Texels are at texel centres: n + 1 of them span n texels, so the floor begins half a texel out.
+btVector3 texel_at(const surface::Surface& s, int i, int j) {
+  const Vec3 at = s.placement().to_world({(i + 0.5) * s.texel_u(), (j + 0.5) * s.texel_v(), s.texel_z(i, j)});
+  return {btScalar(at.x()), btScalar(at.y()), btScalar(at.z())};
+}
+
+Floor plane(const SharedSurface& s) {
+  Floor out{"Bullet plane", 0, 0, 0, false, s, {}, {}, {}};
+  out.shape = std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0));
+  return out;
+}
+
+Floor mesh(const SharedSurface& s) {
+  Floor out{"Bullet mesh", s->width(), 0, 0, true, s, {}, {}, {}};
+  const double start = cpu_seconds();
+  out.triangles = std::make_unique<btTriangleMesh>();
+  const int n = s->width();
+  out.triangles->preallocateVertices((n + 1) * (n + 1));
+  out.triangles->preallocateIndices(6 * n * n);
+  for (int j = -1; j < n; ++j)
+    for (int i = -1; i < n; ++i) out.triangles->findOrAddVertex(texel_at(*s, i, j), false);
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) {
+      const int a = j * (n + 1) + i, b = a + 1, c = a + n + 1, d = c + 1;
+      out.triangles->addTriangleIndices(a, b, c);
+      out.triangles->addTriangleIndices(b, d, c);
+    }
+  }
+  auto shape = std::make_unique<btBvhTriangleMeshShape>(out.triangles.get(), true);
+  out.build_ms = 1e3 * (cpu_seconds() - start);
+  out.bytes =
+      16.0 * (n + 1) * (n + 1) + 24.0 * n * n + shape->getOptimizedBvh()->calculateSerializeBufferSize();
+  out.shape = std::move(shape);
+  return out;
+}
+
+Floor height_field(const SharedSurface& s) {
+  Floor out{"Bullet height field", s->width(), 0, 0, true, s, {}, {}, {}};
+  const double start = cpu_seconds();
+  const int n = s->width() + 1;
+  // Rows along +z, while v runs along -z.
+  for (int row = 0; row < n; ++row)
+    for (int i = -1; i < n - 1; ++i) out.heights.push_back(texel_at(*s, i, n - 2 - row).y());
+  auto shape = std::make_unique<btHeightfieldTerrainShape>(
+      n, n, out.heights.data(), btScalar(1), btScalar(-depth), btScalar(0), 1, PHY_FLOAT, false);
+  shape->setLocalScaling({btScalar(s->texel_u()), 1, btScalar(s->texel_v())});
+  out.build_ms = 1e3 * (cpu_seconds() - start);
+  out.bytes = 4.0 * n * n;
+  out.at = (texel_at(*s, -1, -1) + texel_at(*s, n - 2, n - 2)) / 2;
+  out.at.setY(btScalar(-depth / 2));  // Bullet puts the middle of the heights at the origin
+  out.shape = std::move(shape);
+  return out;
+}
+
+Floor textured(const std::string& name, const SharedSurface& s, const ContactOptions& options) {
+  Floor out{name, s->width(), 0, 0, options.representation == Representation::relief, s, {}, {}, {}};
+  const double start = cpu_seconds();
+  auto shape = std::make_unique<TexturedShape>(s, options);
+  out.build_ms = 1e3 * (cpu_seconds() - start);
+  out.bytes = static_cast<double>(s->memory_bytes());
+  if (&shape->relief() != s.get()) out.bytes += static_cast<double>(shape->relief().memory_bytes());
+  if (out.is_relief) {
+    // From texels to a surface that can be asked.
+    const double begin = cpu_seconds();
+    const surface::Pyramid pyramid(s->depths(), s->grid());
+    out.build_ms += 1e3 * (cpu_seconds() - begin);
+  }
+  out.shape = std::move(shape);
+  return out;
+}
+
+struct Row {
+  std::string floor, body;
+  int size, count;
+  double us, p99, penetration_mm, build_ms, mib;
+};
+
+// Bodies of one shape on one floor.
+class Run {
+ public:
+  Run(Floor& floor, btConvexShape& shape, int count) : floor_(floor), reach_(0.25) {
+    register_algorithms(dispatcher_);
+    world_.setGravity({0, btScalar(-9.81), 0});
+    ground_ = std::make_unique<btRigidBody>(
+        btRigidBody::btRigidBodyConstructionInfo(0, nullptr, floor.shape.get()));
+    ground_->getWorldTransform().setOrigin(floor.at);
+    ground_->setFriction(btScalar(0.707));
+    world_.addRigidBody(ground_.get());
+    btVector3 inertia;
+    shape.calculateLocalInertia(1, inertia);
+    for (int k = 0; k < count; ++k) {
+      btRigidBody::btRigidBodyConstructionInfo info(1, nullptr, &shape, inertia);
+      info.m_friction = btScalar(0.707);
+      bodies_.push_back(std::make_unique<btRigidBody>(info));
+      bodies_.back()->setActivationState(DISABLE_DEACTIVATION);
+      world_.addRigidBody(bodies_.back().get(), btBroadphaseProxy::DefaultFilter,
+                          btBroadphaseProxy::StaticFilter);
+    }
+    is_sphere_ = shape.getShapeType() == SPHERE_SHAPE_PROXYTYPE;
+  }
+  ~Run() {
+    for (const auto& body : bodies_) world_.removeRigidBody(body.get());
+    world_.removeRigidBody(ground_.get());
+  }
+
+  // Microseconds a body, of each step.
+  Row measure(const std::string& what, int throws) {
+    std::vector<double> times, depths;
+    for (int n = 0; n < throws; ++n) {
+      throw_bodies();
+      for (int k = 0; k < rate / 2; ++k) {
+        const double start = cpu_seconds();
+        world_.stepSimulation(btScalar(1) / rate, 0);
+        const double spent = cpu_seconds() - start;
+        if (k < 3) continue;  // pairs are made
+        times.push_back(1e6 * spent / static_cast<double>(bodies_.size()));
+        if (floor_.is_relief && is_sphere_) note_depths(depths);
+      }
+    }
+    std::sort(times.begin(), times.end());
+    std::sort(depths.begin(), depths.end());
+    return {floor_.name,
+            what,
+            floor_.size,
+            static_cast<int>(bodies_.size()),
+            times[times.size() / 2],
+            times[times.size() * 99 / 100],
+            depths.empty() ? 0 : 1e3 * depths[depths.size() * 95 / 100],
+            floor_.build_ms,
+            floor_.bytes / 1048576};
+  }
+
+ private:
+  void throw_bodies() {
+    for (const auto& body : bodies_) {
+      Vec3 at(random_.uniform(-0.3, 0.3) * side, 0.2, random_.uniform(-0.3, 0.3) * side);
+      const double clearance = is_sphere_ ? radius : reach_;
+      for (int n = 0; n < 30; ++n) {
+        const double gap =
+            floor_.is_relief
+                ? closest_point(*floor_.surface, floor_.surface->placement().to_local(at))->distance
+                : at.y();
+        at.y() += clearance + 0.001 - gap;
+      }
+      const double angle = random_.uniform(0, 2 * std::numbers::pi), speed = random_.uniform(0.2, 1);
+      body->setWorldTransform(
+          btTransform(btQuaternion::getIdentity(), {btScalar(at.x()), btScalar(at.y()), btScalar(at.z())}));
+      body->setInterpolationWorldTransform(body->getWorldTransform());
+      body->setLinearVelocity({btScalar(speed * std::cos(angle)), 0, btScalar(speed * std::sin(angle))});
+      body->setAngularVelocity({0, 0, 0});
+      body->clearForces();
+    }
+  }
+  void note_depths(std::vector<double>& depths) const {
+    for (const auto& body : bodies_) {
+      const btVector3& at = body->getWorldTransform().getOrigin();
+      const auto nearest =
+          closest_point(*floor_.surface, floor_.surface->placement().to_local({at.x(), at.y(), at.z()}));
+      depths.push_back(nearest ? std::max(0.0, radius - nearest->distance) : 0);
+    }
+  }
+
+  Floor& floor_;
+  double reach_;
+  bool is_sphere_ = false;
+  Random random_{7};
+  btDefaultCollisionConfiguration configuration_;
+  btCollisionDispatcher dispatcher_{&configuration_};
+  btDbvtBroadphase broadphase_;
+  btSequentialImpulseConstraintSolver solver_;
+  btDiscreteDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
+  std::unique_ptr<btRigidBody> ground_;
+  std::vector<std::unique_ptr<btRigidBody>> bodies_;
+};
+
+struct Body {
+  std::string name;
+  std::unique_ptr<btConvexShape> shape;
+};
+
+std::unique_ptr<btConvexShape> hull() {
+  auto out = std::make_unique<btConvexHullShape>();
+  constexpr int points = 32;
+  for (int k = 0; k < points; ++k) {
+    const double y = 1 - (2 * k + 1.0) / points, angle = k * std::numbers::pi * (3 - std::sqrt(5.0));
+    const double across = std::sqrt(1 - y * y);
+    out->addPoint(btScalar(0.15) * btVector3(btScalar(across * std::cos(angle)), btScalar(y),
+                                             btScalar(across * std::sin(angle))));
+  }
+  return out;
+}
+
+class Bench {
+ public:
+  enum class Output { table, csv, json };
+
+  Bench(bool quick, Output output) : throws_(quick ? 2 : 8), output_(output) {
+    bodies_.push_back({"sphere", std::make_unique<btSphereShape>(btScalar(radius))});
+    bodies_.push_back(
+        {"box", std::make_unique<btBoxShape>(btVector3(btScalar(0.15), btScalar(0.1), btScalar(0.2)))});
+    bodies_.push_back({"hull of 32", hull()});
+    if (output_ == Output::csv)
+      fmt::print("floor,texels,body,count,us,us_p99,penetration_p95_mm,build_ms,mib\n");
+    if (output_ == Output::table)
+      fmt::print("{:<24}{:>6}  {:<11}{:>6}{:>10}{:>10}{:>9}{:>10}{:>9}\n", "floor", "texels", "body", "count",
+                 "us", "p99", "in, mm", "built, ms", "MiB");
+  }
+
+  void spheres(Floor floor, const std::vector<int>& counts) {
+    for (const int count : counts) add(floor, bodies_[0], count);
+  }
+  void shapes(Floor floor) {
+    for (std::size_t k = 1; k < bodies_.size(); ++k) add(floor, bodies_[k], 10);
+  }
+  const std::vector<Row>& rows() const { return rows_; }
+
+ private:
+  void add(Floor& floor, Body& body, int count) {
+    const int throws = std::max(1, throws_ * 10 / std::max(10, count / 10));
+    rows_.push_back(Run(floor, *body.shape, count).measure(body.name, throws));
+    const Row& r = rows_.back();
+    if (output_ == Output::csv)
+      fmt::print("\"{}\",{},{},{},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g}\n", r.floor, r.size, r.body, r.count,
+                 r.us, r.p99, r.penetration_mm, r.build_ms, r.mib);
+    if (output_ == Output::table)
+      fmt::print("{:<24}{:>6}  {:<11}{:>6}{:>10.2f}{:>10.2f}{:>9.3f}{:>10.2f}{:>9.2f}\n", r.floor, r.size,
+                 r.body, r.count, r.us, r.p99, r.penetration_mm, r.build_ms, r.mib);
+    std::fflush(stdout);
+  }
+
+  int throws_;
+  Output output_;
+  std::vector<Body> bodies_;
+  std::vector<Row> rows_;
+};
+
+constexpr ContactOptions flat{Representation::flat, ContactMethod::closest, NormalMethod::implied};
+constexpr ContactOptions literal{Representation::normal, ContactMethod::closest, NormalMethod::literal};
+constexpr ContactOptions implied{Representation::normal, ContactMethod::closest, NormalMethod::implied};
+constexpr ContactOptions paper{Representation::relief, ContactMethod::directional, NormalMethod::implied};
+constexpr ContactOptions ours{Representation::relief, ContactMethod::closest, NormalMethod::implied};
+
+void measure(Bench& bench, bool quick) {
+  const std::vector<int> all_counts = {1, 10, 100, 1000};
+  const SharedSurface coarse = bricks(256), s = bricks(512);
+  bench.spheres(plane(s), all_counts);
+  bench.spheres(textured("plane, ours", s, flat), all_counts);
+  bench.spheres(textured("normal map, literal", s, literal), all_counts);
+  bench.spheres(textured("normal map, ours", s, implied), all_counts);
+  bench.spheres(mesh(coarse), {100});
+  bench.spheres(height_field(coarse), {100});
+  bench.spheres(mesh(s), quick ? std::vector<int>{100} : all_counts);
+  bench.spheres(height_field(s), quick ? std::vector<int>{100} : all_counts);
+  bench.spheres(textured("relief, paper's", s, paper), all_counts);
+  bench.spheres(textured("relief, ours", s, ours), all_counts);
+  for (const int size : quick ? std::vector<int>{256, 1024} : std::vector<int>{256, 1024, 2048, 4096, 8192})
+    bench.spheres(textured("relief, ours", bricks(size), ours), {100});
+  for (const SharedSurface& texels : {coarse, s}) {
+    bench.shapes(mesh(texels));
+    bench.shapes(height_field(texels));
+    bench.shapes(textured("relief, ours", texels, ours));
+  }
+  bench.shapes(textured("normal map, ours", s, implied));
+  bench.shapes(plane(s));
+}
+
+void print_ratios(const std::vector<Row>& rows) {
+  const auto find = [&](const std::string& floor, const std::string& body, int size, int count) {
+    for (const Row& r : rows)
+      if (r.floor == floor && r.body == body && r.size == size && r.count == count) return r.us;
+    return std::nan("");
+  };
+  const auto ratio = [&](const std::string& what, double a, double b, double wanted) {
+    fmt::print("{:<66}{:>8.3f}   wanted <= {}\n", what, a / b, wanted);
+  };
+  fmt::print("\nratios\n");
+  ratio("100 spheres, 512: ours / Bullet mesh", find("relief, ours", "sphere", 512, 100),
+        find("Bullet mesh", "sphere", 512, 100), 0.08);
+  ratio("1000 spheres, 512: ours, share of a 60 Hz step", find("relief, ours", "sphere", 512, 1000), 1e3 / 60,
+        1);
+  ratio("box, 512: ours / Bullet mesh", find("relief, ours", "box", 512, 10),
+        find("Bullet mesh", "box", 512, 10), 0.10);
+  ratio("hull, 512: ours / Bullet mesh", find("relief, ours", "hull of 32", 512, 10),
+        find("Bullet mesh", "hull of 32", 512, 10), 0.10);
+  ratio("100 spheres: normal map, literal / plane, ours", find("normal map, literal", "sphere", 512, 100),
+        find("plane, ours", "sphere", 512, 100), 1.15);
+  ratio("100 spheres: normal map, literal / Bullet plane", find("normal map, literal", "sphere", 512, 100),
+        find("Bullet plane", "sphere", 0, 100), 1.15);
+  ratio("100 spheres: normal map, ours / Bullet plane", find("normal map, ours", "sphere", 512, 100),
+        find("Bullet plane", "sphere", 0, 100), 2);
+  ratio("100 spheres: ours, 4096 / 512", find("relief, ours", "sphere", 4096, 100),
+        find("relief, ours", "sphere", 512, 100), 2.5);
+}
+
+void print_json(const std::vector<Row>& rows) {
+  fmt::print("[\n");
+  for (const Row& r : rows) {
+    fmt::print(
+        "  {{\"floor\": \"{}\", \"texels\": {}, \"body\": \"{}\", \"count\": {}, \"us\": {:.4g}, \"us_p99\": {:.4g}, "
+        "\"penetration_p95_mm\": {:.4g}, \"build_ms\": {:.4g}, \"mib\": {:.4g}}}{}\n",
+        r.floor, r.size, r.body, r.count, r.us, r.p99, r.penetration_mm, r.build_ms, r.mib,
+        &r == &rows.back() ? "" : ",");
+  }
+  fmt::print("]\n");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  bool json = false, csv = false, quick = false;
+  for (int k = 1; k < argc; ++k) {
+    if (std::strcmp(argv[k], "--json") == 0) {
+      json = true;
+    } else if (std::strcmp(argv[k], "--csv") == 0) {
+      csv = true;
+    } else if (std::strcmp(argv[k], "--quick") == 0) {
+      quick = true;
+    } else {
+      fmt::print(stderr, "bench_contact: '{}' is none of --json, --csv, --quick\n", argv[k]);
+      return 2;
+    }
+  }
+  Bench bench(quick, json ? Bench::Output::json : csv ? Bench::Output::csv : Bench::Output::table);
+  measure(bench, quick);
+  if (json) print_json(bench.rows());
+  if (!json && !csv) print_ratios(bench.rows());
+  return 0;
+}

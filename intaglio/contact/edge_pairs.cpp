@@ -1,0 +1,180 @@
+// An edge of the body against corners, creases and patches of the relief.
+#include <algorithm>
+#include <cmath>
+
+#include "intaglio/contact/pairs.h"
+#include "intaglio/contact/rod.h"
+#include "intaglio/contact/slack.h"
+
+namespace intaglio::contact {
+
+namespace {
+
+class EdgeSearch {
+ public:
+  EdgeSearch(const Asked& asked, const StraightEdge& edge)
+      : asked_(asked),
+        edge_(edge),
+        along_(edge.b - edge.a),
+        length2_(along_.squaredNorm()),
+        rod_(edge.a, edge.b, edge.radius + asked.found.limit(), asked.overlap) {}
+
+  void run() {
+    if (!(length2_ > 0) || std::min(edge_.a.z(), edge_.b.z()) > rod_.reach()) return;
+    for_each_leaf(
+        asked_.surface, rod_.low(), rod_.high(), [this](const Piece& piece) { return rod_.may_meet(piece); },
+        [this](int i, int j) {
+          const Leaf leaf(asked_.surface, i, j);
+          search_leaf(*this, leaf, texels_up(leaf, rod_));
+        });
+  }
+
+  void corner(const Leaf& leaf, int c, int r) const {
+    const Vec3 q = leaf.texel(c, r), away = q - edge_.a;
+    const double u = along_.dot(away);
+    if (u <= 0 || u >= length2_) return;
+    const Vec3 apart = u / length2_ * along_ - away;
+    const double d2 = apart.squaredNorm();
+    // On the edge itself there is no direction; creases find that.
+    if (d2 > rod_.reach() * rod_.reach() || d2 < 1e-18 || apart.z() == 0) return;
+    const double slope_x = -apart.x() / apart.z(), slope_y = -apart.y() / apart.z();
+    // Inside of a polyhedron the faces answer for it.
+    if ((apart.z() < 0 && edge_.radius == 0) || !leaf.is_summit(c, r, slope_x, slope_y, 0, 0)) return;
+    const double d = std::copysign(std::sqrt(d2), apart.z());
+    report(leaf, c, r, Where::corner, q, apart / d, d);
+  }
+
+  // From texel (c, r) to the next along x.
+  void crease_x(const Leaf& leaf, int c, int r) const {
+    const double z = leaf.at(c, r), slope_x = (leaf.at(c + 1, r) - z) / leaf.w;
+    // Of the plane that holds both directions.
+    const double slope_y = (along_.z() - along_.x() * slope_x) / along_.y();
+    const Across first{z - leaf.at(c, r - 1), leaf.at(c, r + 1) - z},
+        second{leaf.at(c + 1, r) - leaf.at(c + 1, r - 1), leaf.at(c + 1, r + 1) - leaf.at(c + 1, r)};
+    if (is_ridge(first, second, slope_y, leaf.h) && is_outward(slope_x, slope_y))
+      cross(leaf, c, r, Vec3(leaf.w, 0, leaf.at(c + 1, r) - z), first, second, slope_y, leaf.h);
+  }
+  void crease_y(const Leaf& leaf, int c, int r) const {
+    const double z = leaf.at(c, r), slope_y = (leaf.at(c, r + 1) - z) / leaf.h;
+    const double slope_x = (along_.z() - along_.y() * slope_y) / along_.x();
+    const Across first{z - leaf.at(c - 1, r), leaf.at(c + 1, r) - z},
+        second{leaf.at(c, r + 1) - leaf.at(c - 1, r + 1), leaf.at(c + 1, r + 1) - leaf.at(c, r + 1)};
+    if (is_ridge(first, second, slope_x, leaf.w) && is_outward(slope_x, slope_y))
+      cross(leaf, c, r, Vec3(0, leaf.h, leaf.at(c, r + 1) - z), first, second, slope_x, leaf.w);
+  }
+
+  // The inside of a patch: where its normal is square to the edge and points at it. Square it is on a
+  // straight line of (s, t); along that, the sign of the volume of edge, normal and what is between them
+  // changes.
+  void patch(const Leaf& leaf, int c, int r) const {
+    const double z = leaf.at(c, r), a = leaf.at(c + 1, r) - z, b = leaf.at(c, r + 1) - z,
+                 twist = leaf.at(c + 1, r + 1) - z - a - b;
+    const double ex = along_.x() / leaf.w, ey = along_.y() / leaf.h;
+    if (!(edge_.radius > 0 ? twist * ex * ey != 0 : twist * ex * ey < 0)) return;
+    const double g = along_.z() - a * ex - b * ey, g_s = -twist * ey, g_t = -twist * ex;
+    const double low = g + std::min(g_s, 0.0) + std::min(g_t, 0.0),
+                 high = g + std::max(g_s, 0.0) + std::max(g_t, 0.0);
+    if (!(low < 0 && high > 0)) return;
+    const Vec3 first = leaf.texel(c, r) - edge_.a;
+    const bool by_t = std::abs(g_s) > std::abs(g_t);
+    // Which stretch of the free coordinate keeps the other within 0..1.
+    const double slope = by_t ? -g_t / g_s : -g_s / g_t, start = by_t ? -g / g_s : -g / g_t;
+    double from = 0, to = 1;
+    if (slope != 0) {
+      const double x = -start / slope, y = (1 - start) / slope;
+      from = std::max(from, std::min(x, y));
+      to = std::min(to, std::max(x, y));
+    }
+    if (!(from < to)) return;
+    Vec3 q, normal;
+    const auto volume = [&](double free) {
+      const double s = by_t ? start + slope * free : free, t = by_t ? free : start + slope * free;
+      q = first + Vec3(s * leaf.w, t * leaf.h, s * a + t * b + s * t * twist);
+      normal = Vec3(-(a + t * twist) / leaf.w, -(b + s * twist) / leaf.h, 1);
+      return q.dot(along_.cross(normal));
+    };
+    double f_from = volume(from), f_to = volume(to);
+    if ((f_from < 0) == (f_to < 0)) return;
+    for (int round = 0; round < 60 && std::abs(to - from) > 1e-12; ++round) {  // regula falsi, Illinois
+      const double at = to - f_to * (to - from) / (f_to - f_from);
+      const double f = volume(at);
+      if (f == 0) break;
+      if ((f < 0) == (f_to < 0)) {
+        f_from *= 0.5;
+      } else {
+        from = to;
+        f_from = f_to;
+      }
+      if (std::abs(at - to) < 1e-13) break;
+      to = at;
+      f_to = f;
+    }
+    normal.normalize();
+    const double gap = -q.dot(normal), u = along_.dot(q + gap * normal) / length2_;
+    if (u > 0 && u < 1) report(leaf, c, r, Where::patch, edge_.a + q, normal, gap);
+  }
+
+ private:
+  // How the relief rises across a crease at one of its ends, from behind and ahead, a cell each.
+  struct Across {
+    double behind, ahead;
+  };
+
+  // Whether a crease may point up and hold a slope across it, somewhere between its ends. False, too, where
+  // edge and crease are parallel: the slope is infinite or no number.
+  bool is_ridge(const Across& a, const Across& b, double slope, double size, double angle = slack) const {
+    const double behind = std::max(a.behind, b.behind), ahead = std::min(a.ahead, b.ahead);
+    const double more = edge_.radius > 0 ? 0 : slope_slack(angle, slope * slope) * size;
+    return behind - ahead > flat_bend * size && slope * size <= behind + more && slope * size >= ahead - more;
+  }
+  // Whether the body's normals at the edge hold the relief's normal of these slopes, turned round.
+  bool is_outward(double slope_x, double slope_y) const {
+    const Vec3 upward(-slope_x, -slope_y, 1);
+    return std::all_of(edge_.inward.begin(), edge_.inward.end(), [&](const Vec3& inward) {
+      const double sine = upward.dot(inward);
+      return sine >= 0 || sine * sine <= slack * slack * upward.squaredNorm();
+    });
+  }
+  // The common perpendicular, pointing up, where both lines are within their ends.
+  void cross(const Leaf& leaf, int c, int r, const Vec3& crease, const Across& first, const Across& second,
+             double slope, double size) const {
+    const Vec3 turned = along_.cross(crease);
+    const double norm2 = turned.squaredNorm();
+    if (!(turned.z() * turned.z() > 1e-12 * norm2) || norm2 < 1e-20 * length2_ * crease.squaredNorm()) return;
+    const Vec3 q = leaf.texel(c, r), away = q - edge_.a;
+    const double u = away.cross(crease).dot(turned) / norm2, t = away.cross(along_).dot(turned) / norm2;
+    if (!(u >= 0 && u <= 1 && t >= 0 && t <= 1)) return;
+    const Across there{first.behind + t * (second.behind - first.behind),
+                       first.ahead + t * (second.ahead - first.ahead)};
+    const Vec3 normal = std::copysign(1 / std::sqrt(norm2), turned.z()) * turned, on = q + t * crease;
+    const double distance = (edge_.a + u * along_ - on).dot(normal);
+    if (!is_ridge(there, there, slope, size, slack_at(distance, asked_.overlap))) return;
+    report(leaf, c, r, crease.x() > 0 ? Where::crease_x : Where::crease_y, on, normal, distance);
+  }
+
+  // If the body's normals at the edge hold -normal it is a contact.
+  void report(const Leaf& leaf, int c, int r, Where where, const Vec3& q, const Vec3& normal,
+              double distance) const {
+    if (distance < -asked_.overlap) return;
+    for (const Vec3& inward : edge_.inward) {
+      if (normal.dot(inward) < -slack_at(distance, asked_.overlap)) return;
+    }
+    if (!asked_.surface.placement().covers(q)) return;
+    asked_.found.add({q, normal, distance - edge_.radius,
+                      feature_id(leaf.i + c, leaf.j + r, where, Part::edge, edge_.index, asked_.child)});
+  }
+
+  const Asked& asked_;
+  const StraightEdge& edge_;
+  Vec3 along_;
+  double length2_;
+  Rod rod_;
+};
+
+}  // namespace
+
+void edge_pairs(const Asked& asked, const StraightEdge& edge) {
+  EdgeSearch(asked, edge).run();
+}
+
+}  // namespace intaglio::contact

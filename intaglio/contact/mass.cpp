@@ -1,0 +1,96 @@
+#include "intaglio/contact/mass.h"
+
+#include <numbers>
+
+namespace intaglio::contact {
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+// Inertia of a point mass at r, per kilogram.
+Mat3 of_point(const Vec3& r) {
+  return r.squaredNorm() * Mat3::Identity() - r * r.transpose();
+}
+
+MassProperties round_the_y_axis(double volume, double across, double along) {
+  return {volume, Vec3::Zero(), Vec3(across, along, across).asDiagonal()};
+}
+
+MassProperties of_tetrahedra(const Polyhedron& form) {
+  // Integrals of 1, x and x x^T over tetrahedra from the origin to triangles of the faces.
+  double volume = 0;
+  Vec3 first = Vec3::Zero();
+  Mat3 second = Mat3::Zero();
+  for (const Polyhedron::Face& face : form.faces) {
+    const auto corner = [&](int k) -> const Vec3& {
+      return form.vertices[std::size_t(form.loop[std::size_t(face.first + k)])];
+    };
+    for (int k = 1; k + 1 < face.count; ++k) {
+      const Vec3 &a = corner(0), &b = corner(k), &c = corner(k + 1), sum = a + b + c;
+      const double v = a.dot(b.cross(c)) / 6;
+      volume += v;
+      first += v / 4 * sum;
+      second += v / 20 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
+    }
+  }
+  const Vec3 centre = first / volume;
+  const Mat3 about = second - volume * centre * centre.transpose();
+  return {volume, centre, about.trace() * Mat3::Identity() - about};
+}
+
+struct Properties {
+  MassProperties operator()(const Sphere& s) const {
+    const double volume = 4.0 / 3 * pi * s.radius * s.radius * s.radius;
+    const double i = 0.4 * volume * s.radius * s.radius;
+    return round_the_y_axis(volume, i, i);
+  }
+  MassProperties operator()(const Capsule& s) const {
+    const double r = s.radius, h = s.half_height;
+    const double tube = 2 * pi * r * r * h, ball = 4.0 / 3 * pi * r * r * r;
+    const double along = tube * r * r / 2 + ball * 0.4 * r * r;
+    // A half ball's centre of mass is 3/8 r from its flat side.
+    const double across = tube * (r * r / 4 + h * h / 3) + ball * (0.4 * r * r + h * h + 0.75 * h * r);
+    return round_the_y_axis(tube + ball, across, along);
+  }
+  MassProperties operator()(const Box& s) const {
+    const double volume = 8 * s.half.prod();
+    const Vec3 square = s.half.cwiseAbs2() * volume / 3;
+    return {volume, Vec3::Zero(), Vec3(Vec3::Constant(square.sum()) - square).asDiagonal()};
+  }
+  MassProperties operator()(const Cylinder& s) const {
+    const double r = s.radius, h = s.half_height, volume = 2 * pi * r * r * h;
+    return round_the_y_axis(volume, volume * (r * r / 4 + h * h / 3), volume * r * r / 2);
+  }
+  MassProperties operator()(const ConvexHull& s) const {
+    return s.form ? of_tetrahedra(*s.form) : MassProperties{};
+  }
+  MassProperties operator()(const Mesh& s) const {
+    return s.form ? of_tetrahedra(*s.form) : MassProperties{};
+  }
+  MassProperties operator()(const Compound& s) const {
+    MassProperties sum;
+    if (!s.children) return sum;
+    for (const CompoundChild& child : *s.children) {
+      const MassProperties part = mass_properties(child.shape);
+      sum.volume += part.volume;
+      sum.centre += part.volume * child.pose.to_world(part.centre);
+    }
+    if (sum.volume > 0) sum.centre /= sum.volume;
+    for (const CompoundChild& child : *s.children) {
+      const MassProperties part = mass_properties(child.shape);
+      const Mat3 turn = child.pose.orientation.toRotationMatrix();
+      sum.inertia += turn * part.inertia * turn.transpose() +
+                     part.volume * of_point(child.pose.to_world(part.centre) - sum.centre);
+    }
+    return sum;
+  }
+};
+
+}  // namespace
+
+MassProperties mass_properties(const Shape& shape) {
+  return std::visit(Properties{}, shape);
+}
+
+}  // namespace intaglio::contact

@@ -1,0 +1,61 @@
+// Pairs of features of body and relief that touch or are about to (relief.h says what a contact is). Local
+// frame, metres; no allocation; bounded by the texels near the feature. Internal to contact/.
+//
+// What counts as overlapping, distance < 0:
+//   corner of the body, below the relief:   its nearest point of the relief, however deep;
+//   face of the body, relief corner inside: when that corner is nearer to no other face that could rest on
+//                                           it, and not less than half as far from any that is not turned
+//                                           up (convex), or not deeper than `overlap` (mesh);
+//   edge of the body and crease or patch:   not deeper than `overlap`, the greater of the margin and a
+//                                           texel; of a round body that much of the axis below the relief.
+// Each pair must be a least gap give or take slack.h: the common normal among the outer normals of both
+// features.
+#pragma once
+
+#include <span>
+
+#include "intaglio/contact/candidates.h"
+#include "intaglio/contact/question.h"
+#include "intaglio/surface/surface.h"
+
+namespace intaglio::contact {
+
+struct Asked {
+  const surface::Surface& surface;
+  int child;
+  double overlap;
+  Candidates& found;
+};
+
+// A ball: the closest features of the relief to its centre (surface/closest.h), less the radius.
+void ball_pairs(const Asked& asked, const Vec3& centre, double radius, int index);
+
+// A corner, or the round end of a capsule (radius > 0). `around`: unit directions of the edges that leave it.
+void corner_pairs(const Asked& asked, const Vec3& corner, std::span<const Vec3> around, double radius,
+                  int index);
+
+// A straight edge. Of a polyhedron, `inward` are the unit directions from the edge into its two faces; none
+// for a capsule's axis.
+struct StraightEdge {
+  Vec3 a, b;
+  std::span<const Vec3> inward;
+  double radius;
+  int index;
+};
+void edge_pairs(const Asked& asked, const StraightEdge& edge);
+
+// The rim of a cylinder: a circle where the side meets the end with that outer normal.
+struct Rim {
+  Vec3 centre, normal;
+  double radius;
+  int index;
+};
+void rim_pairs(const Asked& asked, const Rim& rim);
+
+// Corners, edges and faces of a polyhedron, its vertices multiplied by `scale` first (a box is a scaled
+// cube).
+void polyhedron_pairs(const Asked& asked, const Polyhedron& form, const Vec3& scale, const Frame& frame);
+
+void cylinder_pairs(const Asked& asked, const Cylinder& cylinder, const Frame& frame);
+
+}  // namespace intaglio::contact

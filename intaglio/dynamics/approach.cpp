@@ -1,0 +1,114 @@
+#include "intaglio/dynamics/approach.h"
+
+#include <algorithm>
+
+#include "intaglio/dynamics/bullet_vec.h"
+
+namespace intaglio::dynamics {
+
+namespace {
+
+struct Motion {
+  Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();
+};
+
+// At the end of the step, were there no contacts.
+Motion free_motion(const btCollisionObject& object, double dt) {
+  const btRigidBody* body = btRigidBody::upcast(&object);
+  if (body == nullptr || object.isStaticObject()) return {};
+  const btVector3 push = body->getTotalForce() * body->getLinearFactor() * body->getInvMass();
+  return {from_bullet(body->getLinearVelocity()) + dt * from_bullet(push),
+          from_bullet(body->getAngularVelocity())};
+}
+
+}  // namespace
+
+Approach::Approach(const btCollisionObjectWrapper& body, const btCollisionObjectWrapper& textured,
+                   double step)
+    : dt(step) {
+  btVector3 middle;
+  btScalar radius;
+  body.getCollisionShape()->getBoundingSphere(middle, radius);
+  reach = static_cast<double>(radius + middle.length());
+  lever =
+      body.getCollisionObject()->getCollisionShape()->getShapeType() == SPHERE_SHAPE_PROXYTYPE ? 0 : reach;
+  const btTransform& frame = textured.getWorldTransform();
+  pose = from_bullet(frame.inverseTimes(body.getWorldTransform()));
+  const Motion motion = free_motion(*body.getCollisionObject(), dt);
+  const Vec3 at = from_bullet(body.getWorldTransform().getOrigin());
+  const auto carried = [&](const Motion& m, const btCollisionObject& object) {
+    return Vec3(m.velocity + m.spin.cross(at - from_bullet(object.getWorldTransform().getOrigin())));
+  };
+  const Motion ground = free_motion(*textured.getCollisionObject(), dt);
+  const Quat to_shape = from_bullet(frame.getRotation()).conjugate();
+  velocity = to_shape *
+             (carried(motion, *body.getCollisionObject()) - carried(ground, *textured.getCollisionObject()));
+  spin = to_shape * (motion.spin - ground.spin);
+}
+
+Pose Approach::predicted(const contact::ContactSet& contacts) const {
+  Vec3 v = velocity;
+  for (int round = 0; round < 4; ++round) {
+    for (const contact::ContactPoint& c : contacts) {
+      // Each contact may close its gap and no more.
+      const double excess =
+          -std::max(c.distance, 0.0) / dt - (v + spin.cross(c.point - pose.position)).dot(c.normal);
+      if (excess > 0) v += excess * c.normal;
+    }
+  }
+  const double angle = spin.norm() * dt;
+  const Quat turn = angle > 0 ? Quat(Eigen::AngleAxisd(angle, spin.normalized())) : Quat::Identity();
+  return {pose.position + v * dt, (turn * pose.orientation).normalized()};
+}
+
+namespace {
+
+// What the body would be in by more than `slack`. Of a ball, a smaller one is asked: mostly it touches
+// nothing, and that is found out sooner than what a whole one touches.
+contact::ContactSet deep_contacts(const TexturedShape& shape, const contact::Shape& body, const Pose& pose,
+                                  double slack) {
+  contact::ContactSet out;
+  const auto* ball = std::get_if<contact::Sphere>(&body);
+  const bool shrinks = ball != nullptr && ball->radius > 2 * slack;
+  const contact::ContactSet all =
+      shape.contacts(shrinks ? contact::Shape(contact::Sphere{ball->radius - slack}) : body, pose, 0);
+  for (contact::ContactPoint c : all) {
+    if (shrinks) c.distance -= slack;
+    if (c.distance < -slack) out.points[out.count++] = c;
+  }
+  return out;
+}
+
+// Adds what the body would be in at the end of the step; whether there was any.
+bool add_met(const TexturedShape& shape, const contact::Shape& body, const Approach& approach, double slack,
+             contact::ContactSet& contacts) {
+  const Pose later = approach.predicted(contacts);
+  const std::size_t before = contacts.count;
+  for (contact::ContactPoint c : deep_contacts(shape, body, later, slack)) {
+    if (contacts.count == contact::ContactSet::capacity) break;
+    // The point of the body that would be inside, where it is now: how far before the plane that it meets?
+    const Vec3 touching = approach.pose.to_world(later.to_local(c.point + c.distance * c.normal));
+    c.distance = c.normal.dot(touching - c.point);
+    c.distance = std::max(c.distance, 0.0);
+    contacts.points[contacts.count++] = c;
+  }
+  return contacts.count > before;
+}
+
+}  // namespace
+
+contact::ContactSet contacts_ahead(const TexturedShape& shape, const contact::Shape& body,
+                                   const Approach& approach, double slack) {
+  const double travel = approach.travel();
+  const double texel = std::min(shape.surface().texel_u(), shape.surface().texel_v());
+  // The wider the margin the longer the search, and what lies ahead is found by looking there. Only who moves
+  // so far that it could end up behind the surface looks all the way.
+  const double margin = travel < 0.5 * approach.reach ? std::min(travel + slack, 0.3 * texel) : travel;
+  contact::ContactSet now = shape.contacts(body, approach.pose, std::min(margin, shape.look_ahead()));
+  if (travel < 0.25 * texel || now.count == contact::ContactSet::capacity) return now;
+  // What is added may turn the body into something else: look again, a few times.
+  for (int round = 0; round < 3 && add_met(shape, body, approach, slack, now); ++round) continue;
+  return now;
+}
+
+}  // namespace intaglio::dynamics

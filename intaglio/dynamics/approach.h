@@ -1,0 +1,38 @@
+// How a body of Bullet's moves relative to a textured one in the step ahead.
+//
+// Internal to dynamics/: includes Bullet.
+#pragma once
+
+#include <btBulletDynamicsCommon.h>
+
+#include "intaglio/contact/contact_point.h"
+#include "intaglio/core/vec.h"
+#include "intaglio/dynamics/textured_shape.h"
+
+namespace intaglio::dynamics {
+
+// All in the frame of the textured shape.
+struct Approach {
+  Pose pose;
+  Vec3 velocity;  // at the end of the step if nothing touched, m/s
+  Vec3 spin;      // rad/s
+  double reach;   // of the body around its position, m
+  double lever;   // how far from its position turning moves its surface: 0 of a ball
+  double dt;      // s
+
+  Approach(const btCollisionObjectWrapper& body, const btCollisionObjectWrapper& textured, double dt);
+
+  Vec3 velocity_at(const Vec3& point) const { return velocity + spin.cross(point - pose.position); }
+  // How far any of its points may move.
+  double travel() const { return (velocity.norm() + spin.norm() * lever) * dt; }
+  // Where it will be at the end of the step, kept by `contacts` from going through what they touch.
+  Pose predicted(const contact::ContactSet& contacts) const;
+};
+
+// Where `body` touches or will touch in the step. Contacts where it is now, and those that it would run into:
+// where it will be, it is looked at again, and what it then is in by more than `slack` is added as the plane
+// that it meets.
+contact::ContactSet contacts_ahead(const TexturedShape& shape, const contact::Shape& body,
+                                   const Approach& approach, double slack);
+
+}  // namespace intaglio::dynamics

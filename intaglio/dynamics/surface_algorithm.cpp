@@ -1,0 +1,215 @@
+// How Bullet's dispatcher meets a body with a TexturedShape.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "intaglio/contact/relief_relief.h"
+#include "intaglio/dynamics/approach.h"
+#include "intaglio/dynamics/bullet_shape.h"
+#include "intaglio/dynamics/bullet_vec.h"
+#include "intaglio/dynamics/textured_shape.h"
+
+namespace intaglio::dynamics {
+
+namespace {
+
+// A contact bounces when it is approached faster than gravity makes it in two steps; slower ones would
+// chatter.
+double bounce_speed(const btRigidBody* body, double dt) {
+  return std::max(0.02, body == nullptr ? 0.0 : 2 * dt * static_cast<double>(body->getGravity().length()));
+}
+
+// What the pair's contacts share: Bullet's rules of combination.
+btManifoldPoint combined(const btCollisionObject& body, const btCollisionObject& textured) {
+  btManifoldPoint out{btVector3(0, 0, 0), btVector3(0, 0, 0), btVector3(0, 1, 0), 0};
+  out.m_combinedFriction = btManifoldResult::calculateCombinedFriction(&body, &textured);
+  out.m_combinedRestitution = btManifoldResult::calculateCombinedRestitution(&body, &textured);
+  out.m_combinedRollingFriction = btManifoldResult::calculateCombinedRollingFriction(&body, &textured);
+  out.m_combinedSpinningFriction = btManifoldResult::calculateCombinedSpinningFriction(&body, &textured);
+  return out;
+}
+
+// A feature's name is kept in the point's two numbers that belong to the textured body.
+void set_feature(btManifoldPoint& point, std::uint64_t feature) {
+  point.m_partId1 = static_cast<int>(static_cast<std::uint32_t>(feature >> 32));
+  point.m_index1 = static_cast<int>(static_cast<std::uint32_t>(feature));
+}
+bool has_feature(const btManifoldPoint& point, std::uint64_t feature) {
+  return static_cast<std::uint32_t>(point.m_partId1) == static_cast<std::uint32_t>(feature >> 32) &&
+         static_cast<std::uint32_t>(point.m_index1) == static_cast<std::uint32_t>(feature);
+}
+
+class SurfaceAlgorithm : public btCollisionAlgorithm {
+ public:
+  SurfaceAlgorithm(const btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper& body,
+                   const btCollisionObjectWrapper& textured, bool swapped, bool reports)
+      : btCollisionAlgorithm(info),
+        shape_(from_bullet(*body.getCollisionShape())),
+        swapped_(swapped),
+        reports_(reports) {
+    if (body.getCollisionShape()->getShapeType() == CUSTOM_CONCAVE_SHAPE_TYPE)
+      relief_ = static_cast<const TexturedShape*>(body.getCollisionShape());
+    add_manifold(*body.getCollisionObject(), *textured.getCollisionObject());
+  }
+  ~SurfaceAlgorithm() override {
+    for (std::size_t k = 0; k < manifold_count_; ++k) m_dispatcher->releaseManifold(manifolds_[k]);
+  }
+
+  void processCollision(const btCollisionObjectWrapper* a, const btCollisionObjectWrapper* b,
+                        const btDispatcherInfo& info, btManifoldResult* result) override {
+    const btCollisionObjectWrapper& body = swapped_ ? *b : *a;
+    const btCollisionObjectWrapper& textured = swapped_ ? *a : *b;
+    const auto& shape = static_cast<const TexturedShape&>(*textured.getCollisionShape());
+    if (reports_) return report(shape, body, textured, *result);
+    const Approach approach(body, textured, static_cast<double>(info.m_timeStep));
+    const double slack = 0.01 * std::min(shape.surface().texel_u(), approach.reach);
+    contact::ContactSet contacts;
+    if (is_near(shape, approach)) contacts = contacts_of(shape, approach, slack);
+    fill(contacts, approach, *body.getCollisionObject(), *textured.getCollisionObject(),
+         textured.getWorldTransform());
+  }
+
+  btScalar calculateTimeOfImpact(btCollisionObject*, btCollisionObject*, const btDispatcherInfo&,
+                                 btManifoldResult*) override {
+    return 1;
+  }
+  void getAllContactManifolds(btManifoldArray& manifolds) override {
+    for (std::size_t k = 0; k < manifold_count_; ++k) manifolds.push_back(manifolds_[k]);
+  }
+
+ private:
+  static constexpr std::size_t per_manifold = MANIFOLD_CACHE_SIZE;
+  static constexpr std::size_t most_manifolds =
+      (contact::ContactSet::capacity + per_manifold - 1) / per_manifold;
+  using OldPoints = std::array<btManifoldPoint, most_manifolds * per_manifold>;
+
+  // The body is A whatever the order of the pair, so that impulses always read as "on the body".
+  void add_manifold(const btCollisionObject& body, const btCollisionObject& textured) {
+    manifolds_[manifold_count_++] = m_dispatcher->getNewManifold(&body, &textured);
+  }
+
+  static bool is_near(const TexturedShape& shape, const Approach& approach) {
+    const double far = approach.reach + std::min(approach.travel(), shape.look_ahead()) + 1e-3;
+    const Vec3 away = Vec3::Constant(far);
+    return shape.is_near(to_bullet(Vec3(approach.pose.position - away)),
+                         to_bullet(Vec3(approach.pose.position + away)));
+  }
+
+  contact::ContactSet contacts_of(const TexturedShape& shape, const Approach& approach, double slack) const {
+    if (relief_ == nullptr) return contacts_ahead(shape, shape_, approach, slack);
+    const double texel = std::min(shape.surface().texel_u(), shape.surface().texel_v());
+    return contact::relief_relief_contacts({relief_->relief(), approach.pose}, {shape.relief(), {}},
+                                           std::min(approach.travel() + slack, texel));
+  }
+
+  // For contactTest and its kin, who collect the points themselves. B is who is second in the manifold.
+  void report(const TexturedShape& shape, const btCollisionObjectWrapper& body,
+              const btCollisionObjectWrapper& textured, btManifoldResult& result) const {
+    result.setPersistentManifold(manifolds_[0]);
+    const btTransform& frame = textured.getWorldTransform();
+    const Pose pose = from_bullet(frame.inverseTimes(body.getWorldTransform()));
+    for (const contact::ContactPoint& c :
+         shape.contacts(shape_, pose, static_cast<double>(result.m_closestPointDistanceThreshold))) {
+      const btVector3 normal = frame.getBasis() * to_bullet(c.normal);
+      const btVector3 on_surface = frame(to_bullet(c.point));
+      const auto distance = static_cast<btScalar>(c.distance);
+      result.addContactPoint(normal, on_surface, distance);
+    }
+  }
+
+  void fill(const contact::ContactSet& contacts, const Approach& approach, const btCollisionObject& body,
+            const btCollisionObject& textured, const btTransform& frame) {
+    // Rebuilt each step, or Bullet's cached points would keep stale normals; impulses stay with their
+    // feature.
+    OldPoints old;
+    std::size_t old_count = 0;
+    for (std::size_t m = 0; m < manifold_count_; ++m) {
+      for (int k = 0; k < manifolds_[m]->getNumContacts(); ++k)
+        old[old_count++] = manifolds_[m]->getContactPoint(k);
+    }
+    btManifoldPoint point = combined(body, textured);
+    const double bounces_from = bounce_speed(btRigidBody::upcast(&body), approach.dt);
+    std::size_t count = 0;
+    for (const contact::ContactPoint& c : contacts) {
+      double distance = c.distance;
+      // What was not there a step ago cannot be deeper than the body has come since.
+      const bool is_old = std::any_of(old.begin(), old.begin() + static_cast<std::ptrdiff_t>(old_count),
+                                      [&](const btManifoldPoint& p) { return has_feature(p, c.feature); });
+      if (!is_old && old_count > 0 && contacts.count > 1 &&
+          distance < -(approach.travel() + 0.02 * approach.reach))
+        continue;
+      // A contact that bounces must do so at full speed, not be braked softly ahead of the touch as Bullet
+      // does with positive distances: it happens in whichever step ends nearest to the touch.
+      const double speed = -approach.velocity_at(c.point).dot(c.normal);
+      if (point.m_combinedRestitution > 0 && speed > bounces_from) {
+        if (distance > 0.5 * speed * approach.dt) continue;
+        distance = std::min(distance, 0.0);
+      }
+      point.m_normalWorldOnB = frame.getBasis() * to_bullet(c.normal);
+      point.m_positionWorldOnB = frame(to_bullet(c.point));
+      point.m_distance1 = static_cast<btScalar>(distance);
+      point.m_positionWorldOnA = point.m_positionWorldOnB + point.m_normalWorldOnB * point.m_distance1;
+      point.m_localPointA = body.getWorldTransform().invXform(point.m_positionWorldOnA);
+      point.m_localPointB = textured.getWorldTransform().invXform(point.m_positionWorldOnB);
+      set_feature(point, c.feature);
+      point.m_appliedImpulse = 0;
+      point.m_lifeTime = 0;
+      for (std::size_t k = 0; k < old_count; ++k) {
+        if (!has_feature(old[k], c.feature)) continue;
+        point.m_appliedImpulse = old[k].m_appliedImpulse;
+        point.m_lifeTime = old[k].m_lifeTime + 1;
+      }
+      const std::size_t m = count / per_manifold, at = count % per_manifold;
+      if (m == manifold_count_) add_manifold(body, textured);
+      manifolds_[m]->setNumContacts(static_cast<int>(at) + 1);
+      manifolds_[m]->getContactPoint(static_cast<int>(at)) = point;
+      ++count;
+    }
+    for (std::size_t m = 0; m < manifold_count_; ++m)
+      manifolds_[m]->setNumContacts(
+          static_cast<int>(std::min(count - std::min(count, m * per_manifold), per_manifold)));
+    tell(old_count, count);
+  }
+
+  // Bullet's listeners, as its own algorithms tell them.
+  void tell(std::size_t before, std::size_t after) const {
+    if (before == 0 && after > 0 && gContactStartedCallback != nullptr)
+      gContactStartedCallback(manifolds_[0]);
+    if (before > 0 && after == 0 && gContactEndedCallback != nullptr) gContactEndedCallback(manifolds_[0]);
+  }
+
+  std::array<btPersistentManifold*, most_manifolds> manifolds_{};
+  std::size_t manifold_count_ = 0;
+  const TexturedShape* relief_ = nullptr;  // of the body, when it is textured itself
+  contact::Shape shape_;                   // of the body; Bullet makes a new algorithm when it changes
+  bool swapped_, reports_;
+};
+
+struct CreateSurface : btCollisionAlgorithmCreateFunc {
+  CreateSurface(bool swapped, bool reports) : reports_(reports) { m_swapped = swapped; }
+  btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
+                                                 const btCollisionObjectWrapper* a,
+                                                 const btCollisionObjectWrapper* b) override {
+    void* memory = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(SurfaceAlgorithm));
+    return new (memory) SurfaceAlgorithm(info, m_swapped ? *b : *a, m_swapped ? *a : *b, m_swapped, reports_);
+  }
+  bool reports_;
+};
+
+}  // namespace
+
+void register_algorithms(btCollisionDispatcher& dispatcher) {
+  static CreateSurface body_first(false, false), surface_first(true, false);
+  static CreateSurface reports_body_first(false, true), reports_surface_first(true, true);
+  for (int type = 0; type < MAX_BROADPHASE_COLLISION_TYPES; ++type) {
+    // Compounds come apart in Bullet's own algorithm, which then asks for each child.
+    if (btBroadphaseProxy::isCompound(type) || btBroadphaseProxy::isSoftBody(type)) continue;
+    dispatcher.registerCollisionCreateFunc(type, CUSTOM_CONCAVE_SHAPE_TYPE, &body_first);
+    dispatcher.registerClosestPointsCreateFunc(type, CUSTOM_CONCAVE_SHAPE_TYPE, &reports_body_first);
+    if (type == CUSTOM_CONCAVE_SHAPE_TYPE) continue;
+    dispatcher.registerCollisionCreateFunc(CUSTOM_CONCAVE_SHAPE_TYPE, type, &surface_first);
+    dispatcher.registerClosestPointsCreateFunc(CUSTOM_CONCAVE_SHAPE_TYPE, type, &reports_surface_first);
+  }
+}
+
+}  // namespace intaglio::dynamics

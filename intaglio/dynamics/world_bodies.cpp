@@ -1,0 +1,187 @@
+// How bodies come into a world, and what is done about those that cannot be simulated.
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "intaglio/contact/mass.h"
+#include "intaglio/dynamics/world_state.h"
+
+namespace intaglio::dynamics {
+
+namespace {
+
+struct Inertia {
+  double mass = 0;
+  Vec3 moments = Vec3::Zero();
+  Pose held;  // of the shape's frame in the frame of the principal axes
+};
+
+Inertia inertia_of(const ShapeBody& body) {
+  const contact::MassProperties of = contact::mass_properties(body.shape);
+  Inertia out;
+  out.mass = body.material.density * of.volume;
+  const Mat3 inertia = body.material.density * of.inertia;
+  out.moments = inertia.diagonal();
+  const double reach = contact::bounding_radius(body.shape);
+  const Vec3 off_diagonal(inertia(0, 1), inertia(0, 2), inertia(1, 2));
+  const bool turned = off_diagonal.norm() > 1e-6 * out.moments.maxCoeff();
+  if (!turned && of.centre.norm() < 1e-9 * reach) return out;
+  Quat axes = Quat::Identity();
+  if (turned) {
+    const Eigen::SelfAdjointEigenSolver<Mat3> principal(inertia);
+    out.moments = principal.eigenvalues();
+    Mat3 columns = principal.eigenvectors();
+    if (columns.determinant() < 0) columns.col(2) *= -1;
+    axes = Quat(columns).normalized();
+  }
+  out.held = {axes.conjugate() * -of.centre, axes.conjugate()};
+  return out;
+}
+
+// The radius on which a round shape rolls; 0 for others.
+struct RollingRadius {
+  double operator()(const contact::Sphere& s) const { return s.radius; }
+  double operator()(const contact::Capsule& s) const { return s.radius; }
+  double operator()(const contact::Cylinder& s) const { return s.radius; }
+  template <class Other>
+  double operator()(const Other&) const {
+    return 0;
+  }
+};
+
+bool is_finite(const ShapeBody& body) {
+  return body.pose.position.allFinite() && body.pose.orientation.coeffs().allFinite() &&
+         body.velocity.allFinite() && body.angular_velocity.allFinite() &&
+         body.pose.orientation.norm() > 1e-6;
+}
+
+bool is_sound(const Inertia& inertia) {
+  return std::isfinite(inertia.mass) && inertia.mass > 0 && inertia.moments.allFinite() &&
+         inertia.moments.minCoeff() > 0;
+}
+
+// Floats are as fine as a hundredth of a millimetre up to here, m; and a millimetre up to there.
+constexpr double far_away = 100, lost = 1e4;
+
+}  // namespace
+
+double SphereBody::mass() const {
+  return material.density * 4.0 / 3.0 * std::numbers::pi * radius * radius * radius;
+}
+
+double ShapeBody::mass() const {
+  return inertia_of(*this).mass;
+}
+
+BodyId World::add(const SphereBody& body) {
+  return state_->add({contact::Sphere{body.radius},
+                      body.material,
+                      {body.position, Quat::Identity()},
+                      body.velocity,
+                      body.angular_velocity});
+}
+
+BodyId World::add(const ShapeBody& body) {
+  return state_->add(body);
+}
+
+BodyId World::State::add(const ShapeBody& body) {
+  Body added;
+  added.shape = body.shape;
+  const bool finite = is_finite(body);
+  if (!finite) added.status = not_simulated | contact::status::bad_pose;
+  Inertia inertia = inertia_of(body);
+  if (!is_sound(inertia)) added.status |= not_simulated | contact::status::no_size;
+  if (!added.is_simulated()) {
+    // Something that Bullet can hold, outside its world.
+    added.shape = contact::Sphere{0};
+    inertia = {1, Vec3::Ones(), {}};
+  }
+  added.held = inertia.held;
+  added.reach = contact::bounding_radius(body.shape) + added.held.position.norm();
+  added.bullet_shape = to_bullet(added.shape, added.held);
+  btRigidBody::btRigidBodyConstructionInfo info(static_cast<btScalar>(inertia.mass), nullptr,
+                                                added.bullet_shape.whole(), to_bullet(inertia.moments));
+  // Bullet multiplies both bodies' friction: square roots make that the geometric mean.
+  info.m_friction = static_cast<btScalar>(std::sqrt(body.material.friction));
+  info.m_restitution = static_cast<btScalar>(body.material.restitution);
+  // Bullet's rolling friction of a pair is a.rolling * b.friction + b.rolling * a.friction, a length. Ours is
+  // the sum of both materials' times the radius: all of it is given to the body.
+  const double floor_friction = floor.getFriction(), radius = std::visit(RollingRadius{}, added.shape);
+  if (floor_friction > 0)
+    info.m_rollingFriction = static_cast<btScalar>(
+        (body.material.rolling_resistance + floor_rolling_resistance) * radius / floor_friction);
+  info.m_spinningFriction = info.m_rollingFriction;
+  info.m_linearSleepingThreshold = 0.004f;
+  info.m_angularSleepingThreshold = 0.1f;
+  added.rigid = std::make_unique<btRigidBody>(info);
+  const auto id = static_cast<BodyId>(bodies.size() + 1);
+  added.rigid->setUserIndex(static_cast<int>(id));
+  if (finite) {
+    Pose pose{body.pose.position, body.pose.orientation.normalized()};
+    if (drawn && added.is_simulated()) pose = drawn->simulated(added.shape, pose);
+    const Quat axes = pose.orientation * added.held.orientation.conjugate();
+    added.rigid->setWorldTransform(to_bullet(Pose{pose.position - axes * added.held.position, axes}));
+    added.rigid->setLinearVelocity(
+        to_bullet(drawn ? drawn->simulated_velocity(body.velocity) : body.velocity));
+    added.rigid->setAngularVelocity(to_bullet(body.angular_velocity));
+  }
+  if (added.is_simulated())
+    world.addRigidBody(
+        added.rigid.get(), btBroadphaseProxy::DefaultFilter,
+        options.bodies_collide ? btBroadphaseProxy::AllFilter : btBroadphaseProxy::StaticFilter);
+  bodies.push_back(std::move(added));
+  look_after(bodies.back());
+  return id;
+}
+
+// A body that would move farther in a substep than contacts can be asked for is slowed to that.
+void World::State::slow(Body& body) const {
+  if (!body.is_moving()) return;
+  const double fastest = options.most_substeps * floor_shape.look_ahead() / options.step;
+  const double speed = static_cast<double>(body.rigid->getLinearVelocity().length());
+  if (speed > fastest) {
+    body.rigid->setLinearVelocity(body.rigid->getLinearVelocity() * static_cast<btScalar>(fastest / speed));
+    body.status |= slowed;
+  }
+  // No point of it need be faster than that.
+  const double fastest_spin = fastest / std::max(body.reach, 1e-6);
+  const double spin = static_cast<double>(body.rigid->getAngularVelocity().length());
+  if (spin > fastest_spin) {
+    body.rigid->setAngularVelocity(body.rigid->getAngularVelocity() *
+                                   static_cast<btScalar>(fastest_spin / spin));
+    body.status |= slowed;
+  }
+}
+
+// What is the matter with it after a step. A body that is lost is taken out of the world, where it last was.
+void World::State::look_after(Body& body) {
+  if (!body.is_moving()) return;
+  body.status &= slowed;
+  const Pose at = pose(body);
+  const Vec3 velocity = from_bullet(body.rigid->getLinearVelocity());
+  const Vec3 spin = from_bullet(body.rigid->getAngularVelocity());
+  if (!at.position.allFinite() || !at.orientation.coeffs().allFinite() || !velocity.allFinite() ||
+      !spin.allFinite()) {
+    body.status |= not_simulated | contact::status::bad_pose;
+    body.rigid->setWorldTransform(body.last_good);
+  } else {
+    body.last_good = body.rigid->getWorldTransform();
+    const surface::Placement& place = floor_shape.relief().placement();
+    const Vec3 local = place.to_local(at.position);
+    if (at.position.norm() > far_away) body.status |= contact::status::far;
+    if (at.position.norm() > lost) body.status |= not_simulated;
+    if (!place.covers(local)) {
+      body.status |= contact::status::off_edge;
+    } else if (local.z() < -floor_shape.relief().depth(place.uv(local))) {
+      body.status |= contact::status::under;
+    }
+  }
+  if (body.is_simulated()) return;
+  body.rigid->setLinearVelocity({0, 0, 0});
+  body.rigid->setAngularVelocity({0, 0, 0});
+  if (body.rigid->isInWorld()) world.removeRigidBody(body.rigid.get());
+}
+
+}  // namespace intaglio::dynamics

@@ -1,0 +1,90 @@
+// What a world's bodies touched in a step, read out of Bullet's manifolds.
+#include <algorithm>
+
+#include "intaglio/contact/impulse.h"
+#include "intaglio/dynamics/world_state.h"
+
+namespace intaglio::dynamics {
+
+namespace {
+
+// Impulse on body A at one contact over the last step, N s.
+Vec3 impulse_of(const btManifoldPoint& point) {
+  return from_bullet(point.m_normalWorldOnB) * static_cast<double>(point.m_appliedImpulse) +
+         from_bullet(point.m_lateralFrictionDir1) * static_cast<double>(point.m_appliedImpulseLateral1) +
+         from_bullet(point.m_lateralFrictionDir2) * static_cast<double>(point.m_appliedImpulseLateral2);
+}
+
+}  // namespace
+
+ContactEvent World::State::event(const Body& body, const Vec3& point, const Vec3& impulse, double dt) const {
+  const surface::Placement& place = surface->placement();
+  const Vec3 velocity = from_bullet(body.rigid->getLinearVelocity());
+  ContactEvent event;
+  event.time = time;
+  event.body = id(*body.rigid);
+  event.phase = body.touching ? ContactPhase::persist : ContactPhase::begin;
+  event.point = drawn ? drawn->point(point) : point;
+  event.uv = place.uv(place.to_local(point));
+  event.n_g = place.n();
+  event.n_s = options.representation == Representation::flat ? event.n_g : surface->world_normal(event.uv);
+  event.v_t = velocity - velocity.dot(event.n_g) * event.n_g;
+  event.impulse = impulse;
+  event.duration = dt;
+  event.body_pose = drawn_pose(body);
+  return event;
+}
+
+void World::State::collect(const btPersistentManifold& manifold, double dt) {
+  const BodyId a = id(*manifold.getBody0()), b = id(*manifold.getBody1());
+  for (int p = 0; p < manifold.getNumContacts(); ++p) {
+    const btManifoldPoint& point = manifold.getContactPoint(p);
+    // Not "normal impulse > 0": Bullet's solver may leave friction on a contact whose normal impulse ended at
+    // zero.
+    const Vec3 impulse = impulse_of(point);
+    if (impulse.isZero()) continue;
+    if (a != floor_body) body(a).gained += impulse;
+    if (b != floor_body) body(b).gained -= impulse;
+    if (b != floor_body) body(a).met_another = body(b).met_another = true;
+    if (b != floor_body || !body(a).rigid->isActive()) continue;  // asleep: it is not happening again
+    Body& touching = body(a);
+    touching.touched = true;
+    touching.last_point = from_bullet(point.m_positionWorldOnB);
+    events.push_back(event(touching, touching.last_point, impulse, dt));
+  }
+}
+
+void World::State::collect(double dt) {
+  const auto first = static_cast<std::ptrdiff_t>(events.size());
+  for (Body& body : bodies) {
+    body.gained.setZero();
+    body.touched = body.met_another = false;
+  }
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m)
+    collect(*dispatcher.getManifoldByIndexInternal(m), dt);
+  for (Body& body : bodies) {
+    if (!body.is_moving()) continue;
+    if (body.touching && !body.touched) {
+      events.push_back(event(body, body.last_point, Vec3::Zero(), dt));
+      events.back().phase = ContactPhase::end;
+    }
+    body.touching = body.touched;
+  }
+  // Manifolds come in the order of Bullet's broad phase; events in the order of bodies.
+  std::stable_sort(events.begin() + first, events.end(),
+                   [](const ContactEvent& a, const ContactEvent& b) { return a.body < b.body; });
+}
+
+void World::State::audit(double dt) {
+  for (const Body& body : bodies) {
+    if (!body.is_moving()) continue;
+    const double mass = 1.0 / static_cast<double>(body.rigid->getInvMass());
+    const double size = body.gained.norm();
+    Vec3 expected = body.velocity_before + options.gravity * dt;
+    if (size > 0) expected += contact::velocity_change(size / dt, dt, mass, body.gained / size);
+    const Vec3 velocity = from_bullet(body.rigid->getLinearVelocity());
+    momentum_residual = std::max(momentum_residual, mass * (velocity - expected).norm());
+  }
+}
+
+}  // namespace intaglio::dynamics
