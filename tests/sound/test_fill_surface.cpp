@@ -53,13 +53,12 @@ TEST_CASE("winding numbers: 1 inside, 0 outside, and a tree says what the sum ov
   for (const Vec3& p : {Vec3(0, 0, 0), Vec3(0.9, 0, 0.2), Vec3(-0.3, 0.9, 0)})
     CHECK(winding.at(p) == doctest::Approx(1).epsilon(0.01));
   for (const Vec3& p : {Vec3(0, 0, 1.05), Vec3(3, 0, 0.2), Vec3(-1, 1, -1)})
-    CHECK(std::abs(winding.at(p)) < 0.01);
+    CHECK(std::abs(winding.at(p)) < 0.02);
 }
 
 TEST_CASE("an icosphere fills to a ball with Lamb's frequencies within 0.3 %") {
   const auto filled = fill_surface(test::icosphere(0.1, 4), {0.03, 20'000}, "ball.obj");
   REQUIRE(filled);
-  for (const auto& n : filled->notes) MESSAGE(n);
   const double worst = worst_error(filled->mesh, test::steel(), lamb(0.1, test::steel()));
   MESSAGE("ball, " << filled->mesh.tets.size() << " elements: " << 100 * worst << " %");
   CHECK(worst < 0.003);
@@ -74,12 +73,12 @@ TEST_CASE("a bar along the axes, and turned askew") {
   MESSAGE("bar, " << straight->mesh.tets.size() << " elements: " << 100 * exact << " %");
   CHECK(exact < 0.005);
   const auto askew = fill_surface(test::turned(bar, Quat(Eigen::AngleAxisd(0.5, Vec3(1, 2, 3).normalized()))),
-                                  {0.025, 20'000}, "bar.obj");
+                                  {0.03, 20'000}, "bar.obj");
   if (!askew) MESSAGE(askew.error().message());
   REQUIRE(askew);
   const double cut = worst_error(askew->mesh, test::steel(), hertz);
   MESSAGE("bar askew, " << askew->mesh.tets.size() << " elements: " << 100 * cut << " %");
-  CHECK(cut < 0.02);
+  CHECK(cut < 0.005);
 }
 
 TEST_CASE(

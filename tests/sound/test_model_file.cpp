@@ -36,8 +36,12 @@ TEST_CASE("a model file cut off or changed anywhere is a model or one clear erro
   good.area = 0.5;
   const auto whole = model_bytes(good);
   REQUIRE(parse_model(whole, "a.modes"));
-  for (std::size_t size = 0; size < whole.size(); size += 3)
-    CHECK_FALSE(parse_model(std::span(whole).first(size), "a.modes"));
+  for (std::size_t size = 0; size < whole.size(); size += 3) {
+    // What may be missing without a trace is padding at the end.
+    if (const auto cut = parse_model(std::span(whole).first(size), "a.modes"))
+      CHECK(model_bytes(*cut) == whole);
+  }
+  CHECK_FALSE(parse_model(std::span(whole).first(whole.size() / 2), "a.modes"));
   for (std::size_t k = 0; k < whole.size(); ++k) {
     for (const int change : {0x01, 0x80, 0xff}) {
       auto changed = whole;

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "intaglio/sound/fem/element.h"
+#include "intaglio/sound/fem/flat_frame.h"
 #include "intaglio/sound/fem/lattice.h"
 #include "intaglio/sound/fem/winding_number.h"
 #include "intaglio/surface/mesh/triangle_tree.h"
@@ -19,6 +20,7 @@ constexpr double tets_per_cell = 12;
 constexpr double max_lattice_points = 2e6;
 constexpr double loose_share = 0.01;  // of the volume: a smaller loose part is a crumb of the lattice
 constexpr double lid_share = 0.15;  // of the boundary: where so much of it has no surface near, it is made up
+constexpr double lid_distance = 0.3;  // of a cell: what is farther from the surface is not it
 constexpr double max_rescaling = 0.05;
 constexpr double least_jacobian = 0.1;  // of the mean over the element
 
@@ -193,13 +195,18 @@ void restore_volume(TetMesh& mesh, const BodySurface& body, std::vector<std::str
   for (Vec3& node : mesh.nodes) node = middle + scale * (node - middle);
 }
 
-Result<LatticeBox> choose_lattice(const BodySurface& body, const FillOptions& options,
+// `to_frame` turns the body into the lattice's axes.
+Result<LatticeBox> choose_lattice(const BodySurface& body, const Mat3& to_frame, const FillOptions& options,
                                   const std::string& name) {
+  Eigen::AlignedBox3d bounds;
+  for (const Triangle& t : body.triangles) {
+    for (const int p : t) bounds.extend(to_frame * body.points[std::size_t(p)]);
+  }
   const double smallest = std::cbrt(body.volume * tets_per_cell / options.max_elements);
   const double size = std::max(options.element_size, smallest);
   // Twice volume over area is a plate's thickness and two thirds of a ball's radius.
   const double thickness = 2 * body.volume / body.area;
-  const LatticeBox box(body.low, body.high, std::min(size, thickness));
+  const LatticeBox box(bounds.min(), bounds.max(), std::min(size, thickness));
   const double cell = std::cbrt(box.cell.prod());
   const double elements = body.volume * tets_per_cell / (cell * cell * cell);
   if (elements > 1.5 * options.max_elements || box.points() > max_lattice_points)
@@ -220,13 +227,15 @@ Result<FilledSurface> fill_surface(const surface::TriangleMesh& mesh, const Fill
 
 Result<FilledSurface> fill_surface(const surface::TriangleMesh& mesh, const BodySurface& body,
                                    const FillOptions& options, const std::string& name) {
-  const auto box = choose_lattice(body, options, name);
+  const Mat3 frame = flat_frame(body.points, body.triangles);
+  const auto box = choose_lattice(body, frame.transpose(), options, name);
   if (!box) return tl::unexpected(box.error());
   const auto tree = surface::TriangleTree::make(mesh, name);
   if (!tree) return tl::unexpected(tree.error());
 
   const WindingNumber winding(body.points, body.triangles);
-  CornerMesh corners = fill(*box, [&](const Vec3& p) { return winding.at(p) > 0.5; });
+  CornerMesh corners = fill(*box, [&](const Vec3& p) { return winding.at(frame * p) > 0.5; });
+  for (Vec3& p : corners.points) p = frame * p;
   if (corners.tets.empty())
     return fail(name, "encloses no volume", "close the surface, or give it thickness");
   FilledSurface filled{{}, std::cbrt(box->cell.prod()), body.notes};
@@ -235,7 +244,7 @@ Result<FilledSurface> fill_surface(const surface::TriangleMesh& mesh, const Body
 
   const NearestPoint surface(*tree, mesh);
   if (!body.is_closed()) {
-    const double lid = share_of_lid(filled.mesh, surface, filled.element_size);
+    const double lid = share_of_lid(filled.mesh, surface, lid_distance * filled.element_size);
     if (lid > lid_share)
       return fail(name, fmt::format("is open: {:.0f} % of the solid's surface would be made up", 100 * lid),
                   "close the surface, or give the shell thickness");

@@ -1,6 +1,7 @@
 // Any triangle mesh as a solid ten-node mesh: winding numbers say what is inside, a lattice fills it
-// (lattice.h), mid-edge nodes of the boundary are curved onto the surface where that keeps every element
-// positive, and of a closed surface the exact volume is restored, since a shift of pitch follows its error.
+// (lattice.h) along the body's flat faces (flat_frame.h), mid-edge nodes of the boundary are curved onto the
+// surface where that keeps every element positive, and of a closed surface the exact volume is restored,
+// since a shift of pitch follows its error.
 //
 // Open, self-intersecting and doubled surfaces are filled too; what was found is in `notes`. Refused: what
 // encloses no volume or only by a lid that is not there, loose parts, and what is too thin for the greatest

@@ -10,7 +10,7 @@ namespace intaglio::sound {
 namespace {
 
 constexpr int leaf_size = 8;
-constexpr double far_away = 2.5;  // radii, from where a branch is a dipole
+constexpr double far_away = 3.5;  // radii, from where a branch is a dipole
 
 // Signed solid angle of a triangle. Source: van Oosterom & Strackee, 1983.
 double solid_angle(const Vec3& p, const std::array<Vec3, 3>& corners) {
