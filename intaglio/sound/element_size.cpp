@@ -13,7 +13,7 @@ double element_size(double volume, double area, const Material& material, const 
   const double shear = shear_speed / modes.max_frequency;
   const double bending = std::sqrt(1.8 * plate_speed * (2 * volume / area) / modes.max_frequency);
   const double last = std::sqrt(std::numbers::pi * 0.5 * area / modes.count);
-  return std::max(std::min(shear, bending), last) / 3;
+  return std::max(std::min(shear, bending), last) / 5;
 }
 
 }  // namespace intaglio::sound

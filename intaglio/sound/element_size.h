@@ -6,7 +6,7 @@
 
 namespace intaglio::sound {
 
-// A third of the shortest wave among them, metres. That is the shear wave at the highest frequency, or of a
+// A fifth of the shortest wave among them, metres. That is the shear wave at the highest frequency, or of a
 // thin body (thickness 2 V / A) the bending wave, but no shorter than the last of `count` modes of a plate
 // has it: one mode takes an area of wavelength^2 / pi. Source: Cremer, Heckl & Petersson, "Structure-Borne
 // Sound", 2005.

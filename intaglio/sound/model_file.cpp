@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "intaglio/core/file.h"
 #include "model_generated.h"
@@ -26,6 +27,15 @@ Material material_of(const file::Elasticity& from) {
   material.rolling_resistance = from.rolling_resistance();
   material.micro = {from.rms_height(), from.correlation_length(), from.spectral_slope()};
   return material;
+}
+
+// The verifier checks where a list begins, but not that its elements are aligned: bytes are copied, not read.
+static_assert(FLATBUFFERS_LITTLEENDIAN, "the lists of a model file are read as they are");
+template <class T, class List>
+std::vector<T> copied(const List& list) {
+  std::vector<T> values(list.size());
+  if (!values.empty()) std::memcpy(static_cast<void*>(values.data()), list.Data(), values.size() * sizeof(T));
+  return values;
 }
 
 bool is_finite(const Material& m) {
@@ -127,12 +137,14 @@ Result<ModalModel> parse_model(std::span<const std::uint8_t> bytes, const std::s
   model.mass = from.mass();
   model.area = from.area();
   model.residual = from.residual();
-  model.angular_frequency.assign(from.angular_frequency()->begin(), from.angular_frequency()->end());
-  model.damping.assign(from.damping()->begin(), from.damping()->end());
-  model.radiation.assign(from.radiation()->begin(), from.radiation()->end());
-  for (const file::Point* p : *from.points()) model.points.emplace_back(p->x(), p->y(), p->z());
-  for (const file::Face* f : *from.triangles()) model.triangles.push_back({f->a(), f->b(), f->c()});
-  model.shapes.assign(from.shapes()->begin(), from.shapes()->end());
+  model.angular_frequency = copied<double>(*from.angular_frequency());
+  model.damping = copied<double>(*from.damping());
+  model.radiation = copied<double>(*from.radiation());
+  for (const file::Point& p : copied<file::Point>(*from.points()))
+    model.points.emplace_back(p.x(), p.y(), p.z());
+  for (const file::Face& f : copied<file::Face>(*from.triangles()))
+    model.triangles.push_back({f.a(), f.b(), f.c()});
+  model.shapes = copied<float>(*from.shapes());
   if (auto sound = check_modes(model, name); !sound) return tl::unexpected(sound.error());
   if (auto sound = check_surface(model, name); !sound) return tl::unexpected(sound.error());
   model.grid = TriangleGrid(model.points, model.triangles);

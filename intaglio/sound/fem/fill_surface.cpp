@@ -239,7 +239,11 @@ Result<FilledSurface> fill_surface(const surface::TriangleMesh& mesh, const Body
   if (corners.tets.empty())
     return fail(name, "encloses no volume", "close the surface, or give it thickness");
   FilledSurface filled{{}, std::cbrt(box->cell.prod()), body.notes};
-  if (auto kept = keep_largest(corners, filled.notes, name); !kept) return tl::unexpected(kept.error());
+  if (auto kept = keep_largest(corners, filled.notes, name); !kept) {
+    if (body.is_closed()) return tl::unexpected(kept.error());
+    return fail(name, "is open and encloses no volume of one piece",
+                "close the surface, or give it thickness");
+  }
   filled.mesh = quadratic_mesh(std::move(corners.points), std::move(corners.tets));
 
   const NearestPoint surface(*tree, mesh);
