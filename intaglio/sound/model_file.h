@@ -2,8 +2,8 @@
 //
 // FlatBuffers by the schema model.fbs, little-endian on every machine. Files are not trusted: the verifier
 // checks their structure, the reader that lengths agree, indices exist, numbers are finite and modes ascend
-// and ring; a model without a mode is an error. Limit 256 MB. Cost: about 10 ms a megabyte, most of it the
-// grid over the surface.
+// and ring; a model without a mode is an error. Limit 256 MB. Most of the cost of reading is the grid over
+// the surface (triangle_grid.h).
 #pragma once
 
 #include <filesystem>
