@@ -1,4 +1,4 @@
-// Any bytes as a mesh file, as OBJ and as glTF: a sound mesh or one clear error on one line, and any small
+// Any bytes as a mesh file, as OBJ, glTF and STL: a sound mesh or one clear error on one line, and any small
 // sound mesh can be placed and asked.
 #include <cstddef>
 #include <cstdint>
@@ -33,5 +33,8 @@ static void examine(const Result<TriangleMesh>& mesh) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   examine(parse_obj({reinterpret_cast<const char*>(data), size}, "fuzz"));
   examine(parse_gltf({data, size}, "fuzz"));
+  examine(parse_obj({reinterpret_cast<const char*>(data), size}, "fuzz", MeshUse::shape));
+  examine(parse_gltf({data, size}, "fuzz", {}, MeshUse::shape));
+  examine(parse_stl({data, size}, "fuzz"));
   return 0;
 }

@@ -1,5 +1,9 @@
 #include "intaglio/core/material_reader.h"
 
+#include <filesystem>
+
+#include "intaglio/core/file.h"
+
 namespace intaglio {
 
 namespace {
@@ -48,6 +52,39 @@ void read_material(TomlReader& reader, const char* key, Material& material) {
     start_from(t, "name");
     read_overrides(t, material);
   });
+}
+
+Result<Material> parse_material(std::string_view text, const std::string& file_name) {
+  const auto table = parse_toml(text, file_name);
+  if (!table) return tl::unexpected(table.error());
+  std::optional<Error> error;
+  TomlReader reader(*table, file_name, "", error);
+  Material material;
+  material.name = std::filesystem::path(file_name).stem().string();
+  reader.text("name", material.name);
+  if (auto known = find_material(material.name); known && reader.has("name")) {
+    material = *known;
+  } else {
+    for (const char* key :
+         {"density", "youngs_modulus", "poisson_ratio", "rayleigh_alpha", "rayleigh_beta"}) {
+      if (!error && !reader.has(key))
+        return fail(
+            file_name, fmt::format("{} is missing", key),
+            "a material needs density, youngs_modulus, poisson_ratio, rayleigh_alpha and rayleigh_beta "
+            "in SI units, or the name of a built-in one");
+    }
+  }
+  read_overrides(reader, material);
+  reader.finish();
+  if (error) return tl::unexpected(*error);
+  return material;
+}
+
+Result<Material> named_material(const std::string& name_or_file) {
+  if (!name_or_file.ends_with(".toml")) return find_material(name_or_file);
+  const auto bytes = read_file(name_or_file, 1u << 20);
+  if (!bytes) return tl::unexpected(bytes.error());
+  return parse_material({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, name_or_file);
 }
 
 }  // namespace intaglio

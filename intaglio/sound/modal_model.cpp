@@ -135,6 +135,7 @@ Result<ModalModel> bake(const TetMesh& mesh, const Material& material, const Bak
   model.name = options.name;
   model.material = material;
   model.mass = material.density * volume(mesh);
+  model.residual = modes->residual;
   std::vector<Eigen::Index> ringing;
   for (Eigen::Index m = 0; m < modes->angular_frequency.size(); ++m) {
     const double omega = modes->angular_frequency[m];

@@ -22,8 +22,9 @@ namespace intaglio::sound {
 struct ModalModel {
   std::string name;
   Material material;
-  double mass = 0;  // kg
-  double area = 0;  // m^2, of the surface
+  double mass = 0;      // kg
+  double area = 0;      // m^2, of the surface
+  double residual = 0;  // the worst |K u - lambda M u| / (lambda |M u|) of its modes
 
   std::vector<double> angular_frequency;  // omega, rad/s, ascending
   std::vector<double> damping;            // d, 1/s; always below omega

@@ -55,5 +55,20 @@ expect "no ffmpeg" 'ffmpeg: not found' env PATH=/nonexistent "$intaglio" -q rend
 printf '#!/bin/sh\nexit 3\n' >"$work/ffmpeg"; chmod +x "$work/ffmpeg"
 expect "an ffmpeg that fails" 'encoder' env PATH="$work" "$intaglio" -q render "$scene" -o "$work/out/x.mp4" --duration 0.2
 
+bake() { "$intaglio" -q bake "$@" -o "$work/out/x.modes"; }
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0.5\nf 1 2 3\nf 2 4 3\n' >"$work/sheet.obj"
+printf 'solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0' >"$work/cut.stl"
+printf 'density = 7850\n' >"$work/partial.toml"
+printf 'name = "steel"\npoisson_ratio = 0.7\n' >"$work/poisson.toml"
+expect "missing mesh" 'no_such\.obj: no such file' bake "$work/no_such.obj" --material steel
+expect "surface without volume" 'sheet\.obj: .*(no volume|is open).*' bake "$work/sheet.obj" --material steel
+expect "truncated STL" 'cut\.stl:5: .*vertex' bake "$work/cut.stl" --material steel
+expect "not a mesh" 'text\.png: .*use \.obj, \.stl' bake "$work/text.png" --material steel
+expect "no such shape size" 'r=-1.* is no size' bake sphere:r=-1 --material steel
+expect "no such material" 'did you mean "steel"' bake sphere:r=0.05 --material steal
+expect "partial material" 'partial\.toml: youngs_modulus is missing' bake sphere:r=0.05 --material "$work/partial.toml"
+expect "impossible material" 'poisson\.toml:2: .*Poisson' bake sphere:r=0.05 --material "$work/poisson.toml"
+expect "nothing to hear" 'no mode rings' bake sphere:r=0.01 --material steel
+
 [ $failures -eq 0 ] && echo "all bad input is refused in one line"
 exit $((failures > 0))

@@ -156,6 +156,7 @@ Result<Modes> modes_at(const ElasticSystem& system, const ModeOptions& options, 
     lanczos.grow();
     if (lanczos.size() < next_check && !lanczos.is_full()) continue;
     lanczos.project();
+    if (options.progress) options.progress(std::min(1.0, double(lanczos.converged()) / double(wanted)));
     next_check = lanczos.size() + std::max<Index>(block_size, lanczos.size() / 6);
   } while (!is_done());
 

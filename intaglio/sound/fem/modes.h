@@ -8,15 +8,18 @@
 // algorithm for solving sparse symmetric generalized eigenproblems", 1994.
 #pragma once
 
+#include <functional>
+
 #include "intaglio/core/error.h"
 #include "intaglio/sound/fem/assemble.h"
 
 namespace intaglio::sound {
 
 struct ModeOptions {
-  int count = 100;                // at most so many modes,
-  double min_frequency = 20;      // Hz, of those in the range of hearing
-  double max_frequency = 20'000;  // Hz
+  int count = 100;                            // at most so many modes,
+  double min_frequency = 20;                  // Hz, of those in the range of hearing
+  double max_frequency = 20'000;              // Hz
+  std::function<void(double)> progress = {};  // told what fraction of the modes has converged
 };
 
 struct Modes {

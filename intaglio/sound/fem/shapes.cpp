@@ -6,14 +6,11 @@
 #include <map>
 #include <numbers>
 
+#include "intaglio/sound/fem/prism.h"
+
 namespace intaglio::sound {
 
 namespace {
-
-struct CornerMesh {
-  std::vector<Vec3> points;
-  std::vector<std::array<int, 4>> tets;
-};
 
 constexpr std::array<std::array<int, 3>, 20> icosahedron_faces{
     {{0, 11, 5},  {0, 5, 1},  {0, 1, 7},  {0, 7, 10}, {0, 10, 11}, {1, 5, 9}, {5, 11, 4},
@@ -62,20 +59,6 @@ CornerMesh refined(const CornerMesh& coarse) {
       fine.tets.push_back({best->from, best->to, best->ring[i], best->ring[(i + 1) % 4]});
   }
   return fine;
-}
-
-// The three tetrahedra of a prism with bottom 0 1 2 under top 3 4 5. Every side face is cut from its corner
-// of smallest global index, so that neighbours agree: Dompierre et al., "How to subdivide pyramids, prisms
-// and hexahedra into tetrahedra", 1999.
-std::array<std::array<int, 4>, 3> prism_tets(std::array<int, 6> p) {
-  // Turn the prism until its smallest index is corner 0: about its axis, or upside down first.
-  const auto smallest = static_cast<std::size_t>(std::min_element(p.begin(), p.end()) - p.begin());
-  if (smallest >= 3) p = {p[3], p[5], p[4], p[0], p[2], p[1]};
-  while (p[0] != *std::min_element(p.begin(), p.end())) p = {p[1], p[2], p[0], p[4], p[5], p[3]};
-  if (std::min(p[1], p[5]) < std::min(p[2], p[4])) {
-    return {{{p[0], p[1], p[2], p[5]}, {p[0], p[1], p[5], p[4]}, {p[0], p[4], p[5], p[3]}}};
-  }
-  return {{{p[0], p[1], p[2], p[4]}, {p[0], p[4], p[2], p[5]}, {p[0], p[4], p[5], p[3]}}};
 }
 
 struct Disk {

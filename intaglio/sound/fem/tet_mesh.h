@@ -28,6 +28,12 @@ struct TetMesh {
   std::vector<Triangle6> boundary;
 };
 
+// Tetrahedra of four nodes, either way round.
+struct CornerMesh {
+  std::vector<Vec3> points;
+  std::vector<std::array<int, 4>> tets;
+};
+
 // The ten-node mesh of a mesh of corners: tetrahedra are turned positive, mid-edge nodes are made halfway,
 // and faces that belong to one tetrahedron only become the boundary. A tetrahedron of no volume is the
 // caller's error.

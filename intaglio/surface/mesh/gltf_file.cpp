@@ -63,8 +63,8 @@ nlohmann::json parse_json(std::span<const std::uint8_t> text) {
 class GltfReader {
  public:
   GltfReader(const nlohmann::json& json, std::span<const std::uint8_t> binary, const std::string& name,
-             const SideBuffers& side_buffers)
-      : root_(&json, "", name, error_), buffers_(root_, binary, side_buffers), name_(name) {}
+             const SideBuffers& side_buffers, MeshUse use)
+      : root_(&json, "", name, error_), buffers_(root_, binary, side_buffers), name_(name), use_(use) {}
 
   Result<TriangleMesh> read() {
     check_asset();
@@ -149,7 +149,7 @@ class GltfReader {
     }
     if (mode != triangles_mode)
       return primitive["mode"].fail("is a strip or a fan", "export plain triangles");
-    if (!primitive["attributes"]["TEXCOORD_0"])
+    if (use_ == MeshUse::texture && !primitive["attributes"]["TEXCOORD_0"])
       return primitive.fail("has no UVs (TEXCOORD_0)",
                             "a texture needs them; unwrap the mesh and export its UVs");
     const std::size_t first = mesh_.positions.size();
@@ -164,11 +164,12 @@ class GltfReader {
       return buffers_.elements(attributes[attribute].required_whole(max_list), type, components, component);
     };
     const Elements positions = elements("POSITION", "VEC3", 3, Component::floats);
-    const Elements uvs = elements("TEXCOORD_0", "VEC2", 2, Component::normalised);
+    const bool has_uvs = static_cast<bool>(attributes["TEXCOORD_0"]);
+    const Elements uvs = has_uvs ? elements("TEXCOORD_0", "VEC2", 2, Component::normalised) : Elements{};
     const bool has_normals = static_cast<bool>(attributes["NORMAL"]);
     const Elements normals = has_normals ? elements("NORMAL", "VEC3", 3, Component::floats) : Elements{};
     if (error_) return;
-    if (uvs.count != positions.count || (has_normals && normals.count != positions.count))
+    if ((has_uvs && uvs.count != positions.count) || (has_normals && normals.count != positions.count))
       return attributes.fail("have different lengths");
     if (positions.count > max_mesh_vertices - mesh_.positions.size())
       return attributes.fail("make too many vertices", fmt::format("at most {} are read", max_mesh_vertices));
@@ -179,7 +180,8 @@ class GltfReader {
     for (std::size_t k = 0; k < positions.count; ++k) {
       mesh_.positions.push_back(world * vector(positions, k));
       mesh_.normals.push_back(has_normals ? Vec3(normal_world * vector(normals, k)) : Vec3(Vec3::Zero()));
-      mesh_.uvs.emplace_back(uvs.fraction(k, 0), 1 - uvs.fraction(k, 1));  // glTF counts v from the top row
+      // glTF counts v from the top row.
+      mesh_.uvs.push_back(has_uvs ? Vec2(uvs.fraction(k, 0), 1 - uvs.fraction(k, 1)) : Vec2(Vec2::Zero()));
     }
   }
 
@@ -222,6 +224,7 @@ class GltfReader {
   JsonValue root_;
   GltfBuffers buffers_;
   std::string name_;
+  MeshUse use_;
   std::vector<bool> visited_;
   std::size_t skipped_ = 0;
   TriangleMesh mesh_;
@@ -230,7 +233,7 @@ class GltfReader {
 }  // namespace
 
 Result<TriangleMesh> parse_gltf(std::span<const std::uint8_t> bytes, const std::string& name,
-                                const SideBuffers& side_buffers) {
+                                const SideBuffers& side_buffers, MeshUse use) {
   if (bytes.size() > max_mesh_file_bytes)
     return fail(name, fmt::format("has {} bytes", bytes.size()),
                 fmt::format("at most {} are read", max_mesh_file_bytes));
@@ -239,7 +242,7 @@ Result<TriangleMesh> parse_gltf(std::span<const std::uint8_t> bytes, const std::
   const nlohmann::json json = parse_json(chunks->json);
   if (!json.is_object())
     return fail(name, "is not a glTF file: its JSON cannot be read", "is the file cut off?");
-  return GltfReader(json, chunks->binary, name, side_buffers).read();
+  return GltfReader(json, chunks->binary, name, side_buffers, use).read();
 }
 
 }  // namespace intaglio::surface

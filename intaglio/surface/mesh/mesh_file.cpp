@@ -35,17 +35,23 @@ SideBuffers buffers_beside(const fs::path& path) {
 
 }  // namespace
 
-Result<TriangleMesh> read_mesh(const fs::path& path) {
+Result<TriangleMesh> read_mesh(const fs::path& path, MeshUse use) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
   const bool gltf = extension == ".gltf" || extension == ".glb";
-  if (!gltf && extension != ".obj")
-    return fail(path.string(), "is not a mesh file that can be read", "use .obj, .gltf or .glb");
+  const bool stl = extension == ".stl";
+  if (!gltf && !stl && extension != ".obj")
+    return fail(path.string(), "is not a mesh file that can be read",
+                use == MeshUse::shape ? "use .obj, .stl, .gltf or .glb" : "use .obj, .gltf or .glb");
+  if (stl && use == MeshUse::texture)
+    return fail(path.string(), "is an STL file, which has no UVs",
+                "a texture needs them; use .obj, .gltf or .glb");
   const auto bytes = read_file(path, max_mesh_file_bytes);
   if (!bytes) return tl::unexpected(bytes.error());
-  if (gltf) return parse_gltf(*bytes, path.string(), buffers_beside(path));
-  return parse_obj({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path.string());
+  if (gltf) return parse_gltf(*bytes, path.string(), buffers_beside(path), use);
+  if (stl) return parse_stl(*bytes, path.string());
+  return parse_obj({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path.string(), use);
 }
 
 }  // namespace intaglio::surface

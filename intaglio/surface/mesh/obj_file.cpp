@@ -52,7 +52,7 @@ struct CornerHash {
 
 class ObjParser {
  public:
-  explicit ObjParser(std::string name) : name_(std::move(name)) {}
+  ObjParser(std::string name, MeshUse use) : name_(std::move(name)), use_(use) {}
 
   Result<TriangleMesh> parse(std::string_view text) {
     while (!text.empty()) {
@@ -105,7 +105,7 @@ class ObjParser {
     return static_cast<int>(index);
   }
 
-  // "position/uv" or "position/uv/normal".
+  // "position/uv" or "position/uv/normal"; without UVs also "position" or "position//normal".
   Result<Corner> to_corner(std::string_view word) const {
     std::array<std::string_view, 3> parts;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -113,10 +113,10 @@ class ObjParser {
       parts[k] = word.substr(0, end);
       word.remove_prefix(std::min(end + 1, word.size()));
     }
-    if (parts[1].empty())
+    if (parts[1].empty() && use_ == MeshUse::texture)
       return fail_here("a face has no UVs", "a texture needs them; unwrap the mesh and export its UVs");
     const auto position = to_index(parts[0], positions_.size());
-    const auto uv = to_index(parts[1], uvs_.size());
+    const auto uv = parts[1].empty() ? std::optional(-1) : to_index(parts[1], uvs_.size());
     const auto normal = parts[2].empty() ? std::optional(-1) : to_index(parts[2], normals_.size());
     if (!position || !uv || !normal)
       return fail_here(fmt::format("a face names a {} that is not there", !position ? "position"
@@ -151,7 +151,7 @@ class ObjParser {
     const auto [at, is_new] = vertices_.try_emplace(corner, static_cast<int>(mesh_.positions.size()));
     if (is_new) {
       mesh_.positions.push_back(positions_[static_cast<std::size_t>(corner.position)]);
-      mesh_.uvs.push_back(uvs_[static_cast<std::size_t>(corner.uv)]);
+      mesh_.uvs.push_back(corner.uv < 0 ? Vec2(Vec2::Zero()) : uvs_[static_cast<std::size_t>(corner.uv)]);
       mesh_.normals.push_back(corner.normal < 0 ? Vec3(Vec3::Zero())
                                                 : normals_[static_cast<std::size_t>(corner.normal)]);
     }
@@ -159,6 +159,7 @@ class ObjParser {
   }
 
   std::string name_;
+  MeshUse use_;
   std::size_t line_ = 0;
   std::size_t fans_ = 0;
   std::vector<Vec3> positions_, normals_;
@@ -169,11 +170,11 @@ class ObjParser {
 
 }  // namespace
 
-Result<TriangleMesh> parse_obj(std::string_view text, const std::string& name) {
+Result<TriangleMesh> parse_obj(std::string_view text, const std::string& name, MeshUse use) {
   if (text.size() > max_mesh_file_bytes)
     return fail(name, fmt::format("has {} bytes", text.size()),
                 fmt::format("at most {} are read", max_mesh_file_bytes));
-  return ObjParser(name).parse(text);
+  return ObjParser(name, use).parse(text);
 }
 
 }  // namespace intaglio::surface

@@ -1,0 +1,177 @@
+// intaglio bake MESH --material M -o MODEL
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <chrono>
+#include <ctime>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "app/verb.h"
+#include "intaglio/core/file.h"
+#include "intaglio/core/material_reader.h"
+#include "intaglio/session/progress.h"
+#include "intaglio/sound/element_size.h"
+#include "intaglio/sound/fem/fill_surface.h"
+#include "intaglio/sound/fem/solid_shape.h"
+#include "intaglio/sound/model_file.h"
+#include "intaglio/surface/mesh/mesh_file.h"
+
+namespace intaglio::app {
+
+namespace {
+
+struct Options {
+  std::string mesh, material, output;
+  int modes = 100;
+  int elements = 40'000;
+  double max_frequency = 20'000;
+  double scale = 1;
+  bool json = false;
+};
+
+double seconds(clockid_t clock) {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
+}
+
+// Wall and processor seconds since it was made.
+struct Stopwatch {
+  double wall = seconds(CLOCK_MONOTONIC), cpu = seconds(CLOCK_PROCESS_CPUTIME_ID);
+  double wall_s() const { return seconds(CLOCK_MONOTONIC) - wall; }
+  double cpu_s() const { return seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu; }
+};
+
+struct Costs {
+  double mesh_s = 0, modes_s = 0, total_s = 0, cpu_s = 0;
+};
+
+Result<sound::FilledSurface> make_elements(const Options& options, const Material& material,
+                                           const sound::ModeOptions& modes) {
+  if (sound::is_solid_shape(options.mesh)) {
+    const auto shape = sound::solid_shape(options.mesh);
+    if (!shape) return tl::unexpected(shape.error());
+    const double size = sound::element_size(shape->volume(), shape->area(), material, modes);
+    return sound::FilledSurface{shape->mesh(size, options.elements), size, {}};
+  }
+  auto mesh = surface::read_mesh(options.mesh, surface::MeshUse::shape);
+  if (!mesh) return tl::unexpected(mesh.error());
+  std::erase_if(mesh->notes, [](const std::string& note) {
+    return note.find("normals were missing") != std::string::npos;
+  });
+  for (Vec3& position : mesh->positions) position *= options.scale;
+  const auto body = sound::body_surface(*mesh, options.mesh);
+  if (!body) return tl::unexpected(body.error());
+  const double size = sound::element_size(body->volume, body->area, material, modes);
+  return sound::fill_surface(*mesh, *body, {size, options.elements}, options.mesh);
+}
+
+nlohmann::json as_json(const sound::ModalModel& model, const sound::FilledSurface& body, const Costs& costs) {
+  std::vector<double> frequencies;
+  for (const double omega : model.angular_frequency) frequencies.push_back(omega / (2 * std::numbers::pi));
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return {{"frequencies", frequencies},
+          {"decay_rates", model.damping},
+          {"residual", model.residual},
+          {"material", model.material.name},
+          {"mass", model.mass},
+          {"area", model.area},
+          {"nodes", body.mesh.nodes.size()},
+          {"elements", body.mesh.tets.size()},
+          {"element_size", body.element_size},
+          {"surface_points", model.points.size()},
+          {"notes", body.notes},
+          {"mesh_seconds", costs.mesh_s},
+          {"modes_seconds", costs.modes_s},
+          {"seconds", costs.total_s},
+          {"cpu_seconds", costs.cpu_s},
+          {"peak_memory_mb", double(usage.ru_maxrss) / 1024}};
+}
+
+void summarise(const nlohmann::json& result, const Options& options) {
+  for (const auto& note : result["notes"]) fmt::print("{}: {}\n", options.mesh, note.get<std::string>());
+  const auto& f = result["frequencies"];
+  fmt::print("{}: {} modes, {:.1f} to {:.1f} Hz, of {} elements ({} nodes); {:.3g} kg; residual {:.1e}\n",
+             options.output, f.size(), f.front().get<double>(), f.back().get<double>(),
+             result["elements"].get<int>(), result["nodes"].get<int>(), result["mass"].get<double>(),
+             result["residual"].get<double>());
+  fmt::print("{:.1f} s ({:.1f} s of them for the mesh), {:.1f} CPU-s, {:.0f} MB\n",
+             result["seconds"].get<double>(), result["mesh_seconds"].get<double>(),
+             result["cpu_seconds"].get<double>(), result["peak_memory_mb"].get<double>());
+}
+
+int run(const Options& options, const Common& common) {
+  const Stopwatch all;
+  const auto material = named_material(options.material);
+  if (!material) return report(material.error());
+  if (auto writable = check_writable(options.output); !writable) return report(writable.error());
+  session::Progress progress("bake", common.quiet);
+  sound::ModeOptions modes{options.modes, 20, options.max_frequency};
+  progress.update(0.02, "filling the surface");
+  const auto body = make_elements(options, *material, modes);
+  if (!body) return report(body.error());
+  Costs costs;
+  costs.mesh_s = all.wall_s();
+  progress.update(0.15, fmt::format("{} elements", body->mesh.tets.size()));
+  modes.progress = [&](double done) { progress.update(0.3 + 0.65 * done, "modes"); };
+  const auto model =
+      sound::bake(body->mesh, *material, {std::filesystem::path(options.mesh).stem().string(), modes});
+  if (!model) return report({options.mesh, model.error().message(), ""});
+  if (model->modes() == 0) {
+    return report(
+        {options.mesh, fmt::format("no mode rings between 20 Hz and {:.0f} Hz", options.max_frequency),
+         "a small or stiff body rings higher (--max-frequency), a well damped one not at all; a mesh in "
+         "millimetres needs --scale 0.001"});
+  }
+  costs.modes_s = all.wall_s() - costs.mesh_s;
+  if (auto written = sound::write_model(options.output, *model); !written) return report(written.error());
+  progress.update(1, "written");
+  costs.total_s = all.wall_s();
+  costs.cpu_s = all.cpu_s();
+  const nlohmann::json result = as_json(*model, *body, costs);
+  if (options.json) {
+    fmt::print("{}\n", result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  } else if (!common.quiet) {
+    summarise(result, options);
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_bake(CLI::App& app, Common& common) {
+  CLI::App* verb =
+      app.add_subcommand("bake", "A body into the modes that it rings with: modal analysis of any mesh");
+  auto options = std::make_shared<Options>();
+  verb->add_option("MESH", options->mesh,
+                   "A file (.obj .stl .gltf .glb, metres) or a shape: sphere:r=0.05  box:x=0.3,y=0.01,z=0.2  "
+                   "plate:a=0.3,t=0.01  cylinder:r=0.02,h=0.2")
+      ->required();
+  verb->add_option("--material", options->material, "A built-in name, or a TOML file (docs/bake.md)")
+      ->required();
+  verb->add_option("-o,--output", options->output, "The model")->required();
+  verb->add_option("--modes", options->modes, "At most so many")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  verb->add_option("--max-frequency", options->max_frequency, "Hz; higher modes are left out")
+      ->check(CLI::Range(100.0, 1e6))
+      ->capture_default_str();
+  verb->add_option("--elements", options->elements, "At most about so many tetrahedra")
+      ->check(CLI::Range(100, 1'000'000))
+      ->capture_default_str();
+  verb->add_option("--scale", options->scale, "Metres in a unit of the file")
+      ->check(CLI::Range(1e-6, 1e6))
+      ->capture_default_str();
+  verb->add_flag("--json", options->json,
+                 "Print frequencies, decay rates, residual, times and memory as JSON");
+  verb->footer(
+      "Example:\n  intaglio bake plate:a=0.3,t=0.01 --material ceramic -o out/tile.modes\n  intaglio bake vase.stl "
+      "--scale 0.001 --material glass -o out/vase.modes --json");
+  verb->callback([options, &common] { common.exit_code = run(*options, common); });
+}
+
+}  // namespace intaglio::app

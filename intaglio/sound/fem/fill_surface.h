@@ -1,0 +1,35 @@
+// Any triangle mesh as a solid ten-node mesh: winding numbers say what is inside, a lattice fills it
+// (lattice.h) along the body's flat faces (flat_frame.h), mid-edge nodes of the boundary are curved onto the
+// surface where that keeps every element positive, and of a closed surface the exact volume is restored,
+// since a shift of pitch follows its error.
+//
+// Open, self-intersecting and doubled surfaces are filled too; what was found is in `notes`. Refused: what
+// encloses no volume or only by a lid that is not there, loose parts, and what is too thin for the greatest
+// number of elements. Cost: about 0.3 s for 2,500 elements from 5,000 triangles.
+#pragma once
+
+#include "intaglio/core/error.h"
+#include "intaglio/sound/fem/body_surface.h"
+#include "intaglio/sound/fem/tet_mesh.h"
+
+namespace intaglio::sound {
+
+struct FillOptions {
+  double element_size = 0;    // metres, wanted
+  int max_elements = 40'000;  // the size grows until about so many are enough
+};
+
+struct FilledSurface {
+  TetMesh mesh;
+  double element_size = 0;  // of a lattice cell, metres
+  std::vector<std::string> notes;
+};
+
+// `mesh` is checked; `name` is for errors.
+Result<FilledSurface> fill_surface(const surface::TriangleMesh& mesh, const FillOptions& options,
+                                   const std::string& name);
+// The same, of a surface that was made ready already.
+Result<FilledSurface> fill_surface(const surface::TriangleMesh& mesh, const BodySurface& body,
+                                   const FillOptions& options, const std::string& name);
+
+}  // namespace intaglio::sound
