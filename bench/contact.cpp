@@ -352,8 +352,7 @@ void print_ratios(const std::vector<Row>& rows) {
   fmt::print("\nratios\n");
   ratio("100 spheres, 512: ours / Bullet mesh", find("relief, ours", "sphere", 512, 100),
         find("Bullet mesh", "sphere", 512, 100), 0.08);
-  ratio("1000 spheres, 512: ours, share of a 60 Hz step", find("relief, ours", "sphere", 512, 1000), 1e3 / 60,
-        1);
+  ratio("1000 spheres, 512: ours / 60 Hz step", find("relief, ours", "sphere", 512, 1000), 1e3 / 60, 1);
   ratio("box, 512: ours / Bullet mesh", find("relief, ours", "box", 512, 10),
         find("Bullet mesh", "box", 512, 10), 0.10);
   ratio("hull, 512: ours / Bullet mesh", find("relief, ours", "hull of 32", 512, 10),
