@@ -52,7 +52,7 @@ TEST_CASE("gratings of one period interlock: they hold a slope that a flat pair 
   const double friction = 0.45 * 0.45;
   const double expected = 0.5 * 9.81 * (std::sin(slope_angle) - friction * std::cos(slope_angle));
   MESSAGE("in a second the gratings moved " << 1000 * held << " mm, the flat pair " << 1000 * slid
-                                               << " mm; friction alone gives " << 1000 * expected);
+                                            << " mm; friction alone gives " << 1000 * expected);
   CHECK(std::abs(held) < period);
   CHECK(slid > 0.5);
 }

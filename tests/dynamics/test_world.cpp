@@ -77,7 +77,9 @@ TEST_CASE("on a uniformly tilted normal map a ball accelerates down the implied 
   // The literal method sinks on steep maps (docs/equations.md); at 5 degrees it is right within some per
   // cent.
   const double tilt = 5;
-  World world(tests::tilted_normals(tilt), *find_material("brick"), options_for(Representation::normal));
+  WorldOptions literal = options_for(Representation::normal);
+  literal.normal_method = NormalMethod::literal;
+  World world(tests::tilted_normals(tilt), *find_material("brick"), literal);
   world.add(ball_at({-0.4, 0.04, 0}));
   for (int k = 0; k < 240; ++k) world.step();
   const double radians = tilt * std::numbers::pi / 180;
