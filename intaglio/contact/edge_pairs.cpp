@@ -148,20 +148,25 @@ class EdgeSearch {
                        first.ahead + t * (second.ahead - first.ahead)};
     const Vec3 normal = std::copysign(1 / std::sqrt(norm2), turned.z()) * turned, on = q + t * crease;
     const double distance = (edge_.a + u * along_ - on).dot(normal);
-    if (!is_ridge(there, there, slope, size, slack_at(distance, asked_.overlap))) return;
-    report(leaf, c, r, crease.x() > 0 ? Where::crease_x : Where::crease_y, on, normal, distance);
+    if (!is_ridge(there, there, slope, size)) return;
+    const bool is_least = is_ridge(there, there, slope, size, slack_at(distance, asked_.overlap));
+    report(leaf, c, r, crease.x() > 0 ? Where::crease_x : Where::crease_y, on, normal, distance, is_least);
   }
 
-  // If the body's normals at the edge hold -normal it is a contact.
-  void report(const Leaf& leaf, int c, int r, Where where, const Vec3& q, const Vec3& normal,
-              double distance) const {
-    if (distance < -asked_.overlap) return;
-    for (const Vec3& inward : edge_.inward) {
-      if (normal.dot(inward) < -slack_at(distance, asked_.overlap)) return;
+  // If the body's normals at the edge hold -normal it is a contact; if nearly, and deep, a way out at least.
+  void report(const Leaf& leaf, int c, int r, Where where, const Vec3& q, const Vec3& normal, double distance,
+              bool is_least = true) const {
+    if (distance < -asked_.overlap || !asked_.surface.placement().covers(q)) return;
+    double leaning = 0;
+    for (const Vec3& inward : edge_.inward) leaning = std::max(leaning, -normal.dot(inward));
+    if (leaning > slack) return;
+    const Candidate met{q, normal, distance - edge_.radius,
+                        feature_id(leaf.i + c, leaf.j + r, where, Part::edge, edge_.index, asked_.child)};
+    if (is_least && leaning <= slack_at(distance, asked_.overlap)) {
+      asked_.found.add(met);
+    } else if (met.distance < 0) {
+      asked_.found.add_spare(met);
     }
-    if (!asked_.surface.placement().covers(q)) return;
-    asked_.found.add({q, normal, distance - edge_.radius,
-                      feature_id(leaf.i + c, leaf.j + r, where, Part::edge, edge_.index, asked_.child)});
   }
 
   const Asked& asked_;
