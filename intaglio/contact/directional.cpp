@@ -19,13 +19,13 @@ ContactSet directional_contacts(const surface::Surface& surface, const Shape& sh
   const double r = question.reach;
   std::array<Candidate, 4> deepest;
   std::array<bool, 4> found{};
-  const auto [i0, j0] = surface.cell_at(std::max(middle.x() - r, 0.0), std::max(middle.y() - r, 0.0));
-  const auto [i1, j1] =
+  const auto first = surface.cell_at(std::max(middle.x() - r, 0.0), std::max(middle.y() - r, 0.0));
+  const auto last =
       surface.cell_at(std::min(middle.x() + r, place.size_u()), std::min(middle.y() + r, place.size_v()));
   set.status |= for_each_part(shape, question.frame, [&](const Shape& part, const Frame& frame, int child) {
     const LowerHeight lower(part, frame);
-    for (int j = j0; j <= j1 + 1; ++j) {
-      for (int i = i0; i <= i1 + 1; ++i) {
+    for (int j = first.second; j <= last.second + 1; ++j) {
+      for (int i = first.first; i <= last.first + 1; ++i) {
         const Vec3 texel((i + 0.5) * surface.texel_u(), (j + 0.5) * surface.texel_v(), surface.texel_z(i, j));
         if (!place.covers(texel)) continue;
         const double distance = lower.at(texel.x(), texel.y()) - texel.z();
