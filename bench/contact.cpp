@@ -6,11 +6,10 @@
 // field of the same texels; TexturedShape in all its ways. Bodies are thrown anew every half second. `us` is
 // the time of a whole step, solver and all, divided by the bodies: median and 99th percentile over steps;
 // `in` is how deep bodies were in the true relief (p95 over bodies and steps, spheres only), mm, of the
-// floors that are relief. Textures above 1024 texels a side are upsampled (bench/surface.cpp says how).
+// floors that are relief. Textures above 1024 texels a side are upsampled (bench/brick.h).
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
 #include <btBulletDynamicsCommon.h>
 #include <fmt/format.h>
-#include <time.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,13 +18,14 @@
 #include <numbers>
 #include <vector>
 
+#include "bench/brick.h"
 #include "intaglio/core/random.h"
 #include "intaglio/dynamics/textured_shape.h"
 #include "intaglio/surface/closest.h"
-#include "intaglio/surface/import.h"
 
 using namespace intaglio;
 using namespace intaglio::dynamics;
+using bench::cpu_seconds;
 
 namespace {
 
@@ -34,32 +34,8 @@ constexpr int rate = 60;
 
 using SharedSurface = std::shared_ptr<const surface::Surface>;
 
-double cpu_seconds() {
-  timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
 SharedSurface bricks(int size) {
-  const surface::Placement placement(Vec3::Zero(), Quat::Identity(), side, side);
-  surface::BrickRecipe recipe;
-  recipe.size = std::min(size, 1024);
-  auto made = std::make_shared<const surface::Surface>(to_texels(make_brick(recipe)), placement, depth,
-                                                       surface::Edge::wrap);
-  if (size <= 1024) return made;
-  surface::Texels fine;
-  fine.width = fine.height = size;
-  fine.depth.reserve(std::size_t(size) * std::size_t(size));
-  fine.normal.reserve(fine.depth.capacity());
-  for (int j = 0; j < size; ++j) {
-    for (int i = 0; i < size; ++i) {
-      const surface::Smooth s = made->smooth({(i + 0.5) / size, (j + 0.5) / size});
-      fine.depth.push_back(static_cast<float>(std::clamp(-s.height / depth, 0.0, 1.0)));
-      fine.normal.push_back(Vec3(-s.gradient.x(), -s.gradient.y(), 1).normalized());
-    }
-  }
-  fine.colour = Image8(1, 1, 3);
-  return std::make_shared<const surface::Surface>(std::move(fine), placement, depth, surface::Edge::wrap);
+  return std::make_shared<const surface::Surface>(bench::brick(size, side));
 }
 
 // A floor that can be measured, and all that it needs to live.

@@ -13,11 +13,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "bench/arguments.h"
 #include "bench/brick.h"
 #include "bench/triangle_proxy.h"
 #include "intaglio/core/random.h"
@@ -207,19 +207,10 @@ void print(const std::vector<Row>& rows, bool json) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  bool json = false;
-  std::vector<int> sizes;
-  for (int k = 1; k < argc; ++k) {
-    if (std::strcmp(argv[k], "--json") == 0) {
-      json = true;
-    } else if (const int size = std::atoi(argv[k]); size >= 16 && size <= 16384) {
-      sizes.push_back(size);
-    } else {
-      fmt::print(stderr, "bench_haptics: '{}' is neither --json nor a size in 16..16384\n", argv[k]);
-      return 2;
-    }
-  }
-  if (sizes.empty()) sizes = {512, 4096};
+  const auto given = bench::arguments(argc, argv, "bench_haptics", 16, {512, 4096});
+  if (!given) return 2;
+  const bool json = given->json;
+  const std::vector<int>& sizes = given->sizes;
   std::vector<Row> rows;
   for (const int size : sizes) measure(size, rows);
   measure_convergence(rows);

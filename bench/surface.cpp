@@ -15,11 +15,11 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "bench/arguments.h"
 #include "bench/brick.h"
 #include "intaglio/core/random.h"
 #include "intaglio/surface/closest.h"
@@ -176,19 +176,10 @@ void measure(int size, std::vector<Row>& rows) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  bool json = false;
-  std::vector<int> sizes;
-  for (int k = 1; k < argc; ++k) {
-    if (std::strcmp(argv[k], "--json") == 0) {
-      json = true;
-    } else if (const int size = std::atoi(argv[k]); size >= 1 && size <= 16384) {
-      sizes.push_back(size);
-    } else {
-      fmt::print(stderr, "bench_surface: '{}' is neither --json nor a size in 1..16384\n", argv[k]);
-      return 2;
-    }
-  }
-  if (sizes.empty()) sizes = {256, 512, 1024, 2048, 4096, 8192};
+  const auto given = bench::arguments(argc, argv, "bench_surface", 1, {256, 512, 1024, 2048, 4096, 8192});
+  if (!given) return 2;
+  const bool json = given->json;
+  const std::vector<int>& sizes = given->sizes;
   std::vector<Row> rows;
   if (!json) fmt::print("{:>6}  {:<38}{:>10}{:>10}\n", "size", "what", "median", "p99");
   for (const int size : sizes) {
