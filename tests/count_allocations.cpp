@@ -6,7 +6,7 @@
 
 namespace {
 
-std::atomic<std::size_t> count{0};
+thread_local std::size_t count = 0;
 std::atomic<std::size_t> largest{0};
 
 void* allocate_or_null(std::size_t size, std::size_t alignment) {

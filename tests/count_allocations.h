@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-// Calls so far.
+// Calls by this thread so far.
 std::size_t allocations();
 // The largest single request since the last forget_allocations(), bytes.
 std::size_t largest_allocation();
