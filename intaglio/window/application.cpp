@@ -224,7 +224,8 @@ void Application::adapt_picture() {
   if (!has_picture_ || now < next_adaptation_ || times_.count() < 4) return;
   next_adaptation_ = now + 0.5;
   const double wanted = 1 / std::clamp(settings_.least_rate, 1.0, 60.0);
-  if (times_.smooth() > wanted) picture_scale_ = std::max(0.3, 0.85 * picture_scale_);
+  if (times_.smooth() > wanted)
+    picture_scale_ = std::max(0.25, picture_scale_ * std::max(0.5, std::sqrt(wanted / times_.smooth())));
   if (times_.smooth() < 0.6 * wanted) picture_scale_ = std::min(1.0, 1.1 * picture_scale_);
 }
 

@@ -3,6 +3,7 @@
 #include <imgui/imgui.h>
 
 #include <algorithm>
+#include <cfloat>
 #include <cmath>
 
 namespace intaglio::window {
@@ -16,7 +17,9 @@ bool slider(const char* name, double& value, double low, double high, const char
 }
 
 void text(const std::string& line) {
+  ImGui::PushTextWrapPos(0);
   ImGui::TextUnformatted(line.c_str());
+  ImGui::PopTextWrapPos();
 }
 
 void time_panel(Settings& settings, const session::LiveState& state, PanelActions& actions) {
@@ -29,14 +32,16 @@ void time_panel(Settings& settings, const session::LiveState& state, PanelAction
   text(fmt::format("{:.2f} s", state.time));
 }
 
-void surface_panel(Settings& settings, const session::Scene& scene) {
+void surface_panel(Settings& settings, const session::LiveSession& session) {
+  const session::Scene& scene = session.scene();
   if (!ImGui::CollapsingHeader("Surface", ImGuiTreeNodeFlags_DefaultOpen)) return;
   int chosen = static_cast<int>(scene.surface.representation);
   for (int k = 0; k < 3; ++k) {
     if (k > 0) ImGui::SameLine();
     if (ImGui::RadioButton(representations[k], chosen == k)) settings.representation = k;
   }
-  double depth = 1e3 * scene.surface.depth.value_or(settings.depth);
+  const surface::Surface& made = *session.surface().surface;
+  double depth = 1e3 * (made.has_depth() ? made.max_depth() : 0);
   if (slider("depth, mm", depth, 0, 100 * scene.surface.size.maxCoeff(), "%.1f",
              ImGuiSliderFlags_Logarithmic))
     settings.depth = 1e-3 * depth;
@@ -120,6 +125,7 @@ void timing_panel(session::LiveSession& session, const PanelFacts& facts, const 
     text("sound     models are being made");
   }
   text(facts.audio_device);
+  if (!facts.gamepad.empty()) text(facts.gamepad);
   text(facts.driver);
 }
 
@@ -130,15 +136,15 @@ PanelActions draw_panels(Settings& settings, session::LiveSession* session, cons
   PanelActions actions;
   const auto s = static_cast<float>(scale);
   ImGui::SetNextWindowPos(ImVec2(12 * s, 12 * s), ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSize(ImVec2(330 * s, 0), ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSizeConstraints(ImVec2(300 * s, 0), ImVec2(300 * s, FLT_MAX));
   if (ImGui::Begin("Intaglio", nullptr, ImGuiWindowFlags_AlwaysAutoResize) && session != nullptr) {
     const session::LiveState& state = session->state();
     text(facts.title);
-    ImGui::PushItemWidth(180 * s);
+    ImGui::PushItemWidth(160 * s);
     time_panel(settings, state, actions);
     actions.record = ImGui::Button(
         facts.recorded < 0 ? "Record (F9)" : fmt::format("Stop ({:.1f} s)", facts.recorded).c_str());
-    surface_panel(settings, session->scene());
+    surface_panel(settings, *session);
     senses_panel(settings);
     touch_panel(settings, *session, facts, state, actions);
     view_panel(settings, actions);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 namespace intaglio::window {
 
@@ -17,6 +18,13 @@ constexpr const char* no_window =
 }  // namespace
 
 Result<std::unique_ptr<SdlWindow>> SdlWindow::create(const std::string& title, int width, int height) {
+  // SDL would quietly draw to nobody.
+  const auto is_set = [](const char* name) {
+    const char* value = std::getenv(name);
+    return value != nullptr && value[0] != 0;
+  };
+  if (!is_set("DISPLAY") && !is_set("WAYLAND_DISPLAY") && !is_set("SDL_VIDEODRIVER"))
+    return fail("window", "there is no display (DISPLAY and WAYLAND_DISPLAY are not set)", no_window);
   std::unique_ptr<SdlWindow> made(new SdlWindow);
   SDL_SetHint(SDL_HINT_VIDEO_X11_NET_WM_BYPASS_COMPOSITOR, "0");
   SDL_SetMainReady();
@@ -31,6 +39,9 @@ Result<std::unique_ptr<SdlWindow>> SdlWindow::create(const std::string& title, i
   made->window_ =
       SDL_CreateWindow(title.c_str(), SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED, width, height,
                        SDL_WINDOW_OPENGL | SDL_WINDOW_RESIZABLE | SDL_WINDOW_ALLOW_HIGHDPI);
+  const std::string driver = SDL_GetCurrentVideoDriver();
+  if (made->window_ != nullptr && !is_set("SDL_VIDEODRIVER") && (driver == "offscreen" || driver == "dummy"))
+    return fail("window", "the display cannot be reached", no_window);
   if (made->window_ == nullptr)
     return fail("window", fmt::format("cannot be opened ({})", SDL_GetError()), no_window);
   made->context_ = SDL_GL_CreateContext(made->window_);

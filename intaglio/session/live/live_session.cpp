@@ -1,5 +1,8 @@
 #include "intaglio/session/live/live_session.h"
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -96,6 +99,8 @@ void LiveSession::stop() {
 }
 
 void LiveSession::bake() {
+  // Physics and pictures go first. On Linux a thread has a niceness of its own; failing changes nothing.
+  (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), 10);
   Scene heard = scene_;
   if (!options_.hears) heard.surface.representation = Representation::flat;
   auto voices = bake_voices(heard, surface_, {options_.model_cache, &stopped_});
@@ -208,6 +213,8 @@ void LiveSession::drag(const Controls& controls) {
 
 void LiveSession::exchange_with_pen() {
   report_ = servo_->latest();
+  // No hand is held by a mouse: what a stalled scene made the guard let go of is taken again.
+  if (mouse_ && (report_.guard_status & haptics::guard_status::fault) != 0) servo_->rearm();
   dynamics::World& world = world_.world();
   haptics::SceneSnapshot scene;
   scene.ball_count = pushed_.size();
