@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <csignal>
+#include <cstdio>
+#include <cstdlib>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -128,7 +130,12 @@ int run(const RunArguments& arguments, const Common& common) {
   } else if (!common.quiet) {
     print_text(*done);
   }
-  return run_interrupted ? 130 : 0;
+  const int code = run_interrupted ? 130 : 0;
+  if (done->was_baking) {
+    std::fflush(nullptr);
+    std::_Exit(code);  // a modal analysis goes on in a thread that cannot be stopped, only left behind
+  }
+  return code;
 }
 
 }  // namespace

@@ -174,7 +174,18 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name) {
 Result<Scene> read_scene(const std::filesystem::path& path) {
   const auto bytes = read_file(path, 16u << 20);
   if (!bytes) return tl::unexpected(bytes.error());
-  return parse_scene({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path.string());
+  auto scene = parse_scene({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path.string());
+  if (!scene) return scene;
+  // What is not in the working folder may lie beside the scene.
+  const auto find = [&](SurfaceScene& surface) {
+    std::error_code ignored;
+    const auto beside = path.parent_path() / surface.texture;
+    if (!std::filesystem::exists(surface.texture, ignored) && std::filesystem::exists(beside, ignored))
+      surface.texture = beside.string();
+  };
+  find(scene->surface);
+  for (SurfaceScene& ground : scene->grounds) find(ground);
+  return scene;
 }
 
 }  // namespace intaglio::session

@@ -138,6 +138,7 @@ Result<RunReport> Application::run() {
   }
   finish_report();
   stop_recording();
+  report_.was_baking = stage_.is_baking();
   return report_;
 }
 

@@ -59,6 +59,7 @@ struct RunReport {
   std::vector<std::string> gl_error_names;
   std::vector<std::string> messages;  // all that the window said, in order
   std::vector<std::string> written;   // screenshots and recordings
+  bool was_baking = false;            // a thread is left behind (voice_baker.h): end by std::_Exit
 };
 
 Result<RunReport> run(const RunOptions& options);

@@ -82,7 +82,8 @@ void touch_panel(Settings& settings, session::LiveSession& session, const PanelF
   if (slider("stiffness, N/m", stiffness, 50, 2000, "%.0f")) settings.stiffness = stiffness;
   if (!facts.force.empty())
     ImGui::PlotLines("##force", facts.force.data(), static_cast<int>(facts.force.size()), 0,
-                     fmt::format("force {:.2f} N", state.pen.force.norm()).c_str(), 0, 8, ImVec2(-1, 60));
+                     fmt::format("force {:.2f} N", state.pen.force.norm()).c_str(), 0, 8,
+                     ImVec2(ImGui::GetContentRegionAvail().x, 60));
   if ((state.pen.guard_status & haptics::guard_status::fault) != 0) {
     text("the guard let go of the hand");
     actions.rearm = ImGui::Button("Take it again");
@@ -112,15 +113,15 @@ std::string microseconds(double seconds) {
 
 void timing_panel(session::LiveSession& session, const PanelFacts& facts, const session::LiveState& state) {
   if (!ImGui::CollapsingHeader("Timing", ImGuiTreeNodeFlags_DefaultOpen)) return;
-  text(fmt::format("picture   {:5.1f} ms  ({:.0f} frames/s, {:.0f} % size)", 1e3 * facts.frame_seconds,
-                   1 / std::max(facts.frame_seconds, 1e-4), 100 * facts.picture_scale));
+  text(fmt::format("picture   {:.1f} ms, {:.0f} % size", 1e3 * facts.frame_seconds,
+                   100 * facts.picture_scale));
   text(fmt::format("dynamics  {} a step, {} left out", microseconds(state.step_seconds), state.late));
   const haptics::ServoLoop& servo = session.servo();
-  text(fmt::format("touch     {} a tick, wakes p99 {} late", microseconds(servo.compute().quantile(0.5)),
+  text(fmt::format("touch     {}, wakes {} late (p99)", microseconds(servo.compute().quantile(0.5)),
                    microseconds(servo.wake_up().quantile(0.99))));
-  if (const auto sound = session.sound_status()) {
-    text(fmt::format("sound     {:.0f} % busy, {} underruns, {:.0f} ms behind", 100 * facts.audio.busiest,
-                     facts.audio.underruns, 1e3 * sound->delay));
+  if (session.has_sound()) {
+    text(fmt::format("sound     {:.0f} % busy, {} underruns", 100 * facts.audio.busiest,
+                     facts.audio.underruns));
   } else {
     text("sound     models are being made");
   }
@@ -151,7 +152,7 @@ PanelActions draw_panels(Settings& settings, session::LiveSession* session, cons
     if (settings.overlay_timing) timing_panel(*session, facts, state);
     if (settings.overlay_scope && !facts.scope.empty())
       ImGui::PlotLines("##scope", facts.scope.data(), static_cast<int>(facts.scope.size()), 0, "heard", -1, 1,
-                       ImVec2(-1, 60 * s));
+                       ImVec2(ImGui::GetContentRegionAvail().x, 60 * s));
     ImGui::PopItemWidth();
   }
   ImGui::End();

@@ -131,7 +131,7 @@ bool Stage::poll(std::string& message) {
   session_ = std::move(loaded->session);
   picture_ = std::make_unique<session::ScenePicture>(session_->scene());
   if (auto shown = show(); !shown) message = shown.error().message();
-  session_->start(&tap_);
+  session_->start(&tap_, &baker_);
   std::vector<std::filesystem::path> files;
   if (!scene_file_.empty()) files.push_back(scene_file_);
   std::error_code ignored;

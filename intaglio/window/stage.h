@@ -42,11 +42,14 @@ class Stage {
 
   session::AudioTap& tap() { return tap_; }
   sound::AudioDevice* audio() { return audio_.get(); }
+  // A model is being made, which nothing can stop.
+  bool is_baking() const { return baker_.is_busy(); }
 
  private:
   Result<void> show();
 
   session::AudioTap tap_;
+  session::VoiceBaker baker_;
   std::unique_ptr<sound::AudioDevice> audio_;
   std::unique_ptr<haptics::vrpn::VrpnDevice> pen_;
   Loader loader_;

@@ -1,15 +1,11 @@
 #include "intaglio/session/live/live_session.h"
 
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
 #include "intaglio/session/cost.h"
 #include "intaglio/session/simulation.h"
-#include "intaglio/session/voices.h"
 
 namespace intaglio::session {
 
@@ -79,46 +75,54 @@ LiveSession::~LiveSession() {
   stop();
 }
 
-void LiveSession::start(AudioTap* tap) {
+void LiveSession::start(AudioTap* tap, VoiceBaker* baker) {
   if (running_.exchange(true)) return;
-  tap_ = tap;
   publish();
   exchange_with_pen();
   servo_->start();
   physics_ = std::thread([this] { run(); });
-  if (tap_ != nullptr) baker_ = std::thread([this] { bake(); });
+  if (tap == nullptr || baker == nullptr) return;
+  tap_ = tap;
+  baker_ = baker;
+  ticket_ = baker->ask(heard(), surface_, options_.model_cache);
 }
 
 void LiveSession::stop() {
-  stopped_ = true;
   if (!running_.exchange(false)) return;
   physics_.join();
   servo_->stop();
-  if (baker_.joinable()) baker_.join();
   if (tap_ != nullptr) tap_->play(nullptr);
+  baker_ = nullptr;
 }
 
-void LiveSession::bake() {
-  // Physics and pictures go first. On Linux a thread has a niceness of its own; failing changes nothing.
-  (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), 10);
-  Scene heard = scene_;
-  if (!options_.hears) heard.surface.representation = Representation::flat;
-  auto voices = bake_voices(heard, surface_, {options_.model_cache, &stopped_});
-  if (stopped_) return;
+Scene LiveSession::heard() const {
+  Scene scene = scene_;
+  if (!options_.hears) scene.surface.representation = Representation::flat;
+  return scene;
+}
+
+void LiveSession::control(const Controls& controls) {
+  controls_.publish(controls);
+  if (baker_ == nullptr) return;
+  auto voices = baker_->take(ticket_);
+  if (!voices) return;
+  baker_ = nullptr;
+  begin_sound(std::move(*voices));
+}
+
+void LiveSession::begin_sound(Result<Voices> voices) {
   if (!voices) {
-    const std::lock_guard lock(message_mutex_);
     message_ = "no sound: " + voices.error().message();
     return;
   }
-  sound::SynthesizerOptions options = synthesizer_options(heard);
+  sound::SynthesizerOptions options = synthesizer_options(heard());
   options.sample_rate = options_.sample_rate;
   if (!options_.hears) options.micro_level = 0;
   sound::LiveOptions live;
   live.gain_db = gain_db_;
   live.delay = 2.0 / scene_.physics.rate + 0.004;
   owned_sound_ = std::make_unique<sound::LiveSound>(options, std::move(voices->bodies), live);
-  owned_sound_->set_gain_db(gain_db_);
-  sound_.store(owned_sound_.get());
+  sound_.store(owned_sound_.get(), std::memory_order_release);
   tap_->play(owned_sound_.get());
 }
 
@@ -142,7 +146,6 @@ std::optional<sound::LiveStatus> LiveSession::sound_status() {
 }
 
 std::string LiveSession::take_message() {
-  const std::lock_guard lock(message_mutex_);
   return std::exchange(message_, {});
 }
 

@@ -16,7 +16,6 @@
 #include <atomic>
 #include <filesystem>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
@@ -27,6 +26,7 @@
 #include "intaglio/session/live/audio_tap.h"
 #include "intaglio/session/live/live_state.h"
 #include "intaglio/session/live/mouse_device.h"
+#include "intaglio/session/live/voice_baker.h"
 #include "intaglio/session/scene_world.h"
 #include "intaglio/sound/live_sound.h"
 
@@ -54,11 +54,12 @@ class LiveSession {
 
   // Bodies go on where `other`, a stopped session of the same scene, had them.
   void follow(const LiveSession& other) { world_.follow(other.world_); }
-  // `tap` is what the audio device plays; null: no sound.
-  void start(AudioTap* tap);
+  // `tap` is what the audio device plays, `baker` makes what rings; null: no sound.
+  void start(AudioTap* tap, VoiceBaker* baker);
   void stop();
 
-  void control(const Controls& controls) { controls_.publish(controls); }
+  // Once a picture: what is wanted of physics from now on.
+  void control(const Controls& controls);
   // The newest state. Valid until the next call.
   const LiveState& state() { return state_.fetch(); }
 
@@ -84,7 +85,8 @@ class LiveSession {
   LiveSession(const Scene& scene, const SceneSurface& surface, const LiveOptions& options,
               haptics::Device* device);
 
-  void bake();
+  void begin_sound(Result<Voices> voices);
+  Scene heard() const;
   void run();
   void step(const Controls& controls);
   void drag(const Controls& controls);
@@ -105,12 +107,13 @@ class LiveSession {
   bool pen_touching_ = false;
 
   AudioTap* tap_ = nullptr;
+  VoiceBaker* baker_ = nullptr;
+  std::uint64_t ticket_ = 0;
   std::unique_ptr<sound::LiveSound> owned_sound_;
   std::atomic<sound::LiveSound*> sound_{nullptr};
   std::atomic<double> gain_db_;
-  std::thread physics_, baker_;
-  std::atomic<bool> running_{false}, stopped_{false};
-  std::mutex message_mutex_;
+  std::thread physics_;
+  std::atomic<bool> running_{false};
   std::string message_;
 
   Latest<Controls> controls_;
