@@ -17,13 +17,14 @@ int report(const Error& error) {
 int main(int argc, char** argv) {
   CLI::App app(
       "Intaglio: one texture decides what is seen, felt, heard and how things move on a surface.\n"
-      "Start with:  intaglio render scenes/brick.toml -o out/brick.mp4");
+      "Start with:  intaglio run   or, without a screen,  intaglio render scenes/brick.toml -o out/brick.mp4");
   app.name("intaglio");
   app.require_subcommand(1);
   app.set_version_flag("--version", "intaglio 0.1.0");
   intaglio::app::Common common;
   app.add_flag("-q,--quiet", common.quiet, "No progress bar, no summary; errors only");
   app.fallthrough();
+  intaglio::app::add_run(app, common);
   intaglio::app::add_render(app, common);
   intaglio::app::add_devices(app, common);
   intaglio::app::add_import(app, common);

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Holds the dependency rule of ARCHITECTURE.md: which folder of intaglio/ may include which.
 
-core <- surface <- {contact <- dynamics, haptics, sound, render} <- session <- {study, app}; senses never include each other,
+core <- surface <- {contact <- dynamics, haptics, sound, render} <- session <- {study, window, app}; senses never include each other,
 and texels and image files are read in surface/ only. Prints each violation as file:line and exits 1."""
 import pathlib
 import re
@@ -19,6 +19,7 @@ ALLOWED = {
     "sound": {"core", "surface"},
     "render": {"core", "surface"},
     "session": {"core", "surface", "contact", "dynamics", "haptics", "sound", "render"},
+    "window": {"core", "surface", "contact", "dynamics", "haptics", "sound", "render", "session"},
     "study": {"core", "surface", "contact", "dynamics", "haptics", "sound", "render", "session"},
 }
 # Headers that hand out texels or decode images; only surface/ may include them.
@@ -27,7 +28,7 @@ TEXELS_ONLY_IN_SURFACE = {"intaglio/surface/image_file.h", "intaglio/surface/bri
 INCLUDE = re.compile(r'^\s*#\s*include\s*"(intaglio/([a-z]+)/[^"]+)"')
 # A third-party library may be included by these folders only.
 LIBRARIES = {
-    "btBullet": {"dynamics"}, "spng.h": {"core", "surface"}, "turbojpeg.h": {"surface"}, "OpenEXR/": {"surface"}, "epoxy/": {"render"},
+    "btBullet": {"dynamics"}, "spng.h": {"core", "surface"}, "turbojpeg.h": {"surface"}, "OpenEXR/": {"surface"}, "epoxy/": {"render", "window"}, "SDL2/": {"window"}, "imgui/": {"window"},
     "dmumps_c.h": {"sound"}, "metis.h": {"sound"}, "sndfile": {"sound"}, "toml++": {"core"}, "embree3/": {"surface"}, "nlohmann/": {"surface"},
 }
 THIRD_PARTY = re.compile(r'^\s*#\s*include\s*<([^>]+)>')

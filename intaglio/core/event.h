@@ -9,10 +9,16 @@ namespace intaglio {
 
 using BodyId = std::uint32_t;
 inline constexpr BodyId floor_body = 0;
+// Textured surfaces beside the floor are numbered from here, other bodies below.
+inline constexpr BodyId first_surface_body = 1u << 20;
+inline constexpr bool is_surface(BodyId id) {
+  return id == floor_body || id >= first_surface_body;
+}
 
 enum class ContactPhase : std::uint8_t { begin, persist, end };
 
-// One step of one contact between `body` and the textured surface of `other`. SI units, world frame.
+// One step of one contact between `body` and the textured surface of `other`; or another body, which has no
+// texture: then uv says nothing and both normals are the contact's. SI units, world frame.
 struct ContactEvent {
   double time = 0;            // s, the instant of the impulse, not of the frame that noticed it
   BodyId body = 0;            // the moving body (ball, pen)

@@ -44,6 +44,7 @@ World::State::State(std::shared_ptr<const surface::Surface> s, const Material& m
 World::State::~State() {
   for (Body& body : bodies)
     if (body.rigid->isInWorld()) world.removeRigidBody(body.rigid.get());
+  for (const auto& ground : grounds) world.removeRigidBody(&ground->rigid);
   world.removeRigidBody(&floor);
 }
 
@@ -86,6 +87,7 @@ void World::step() {
 
 void World::State::advance(double dt) {
   for (Body& body : bodies) {
+    if (body.motion != Motion::free) continue;
     slow(body);
     body.velocity_before = from_bullet(body.rigid->getLinearVelocity());
     body.energy_before = energy(*body.rigid);
@@ -94,6 +96,7 @@ void World::State::advance(double dt) {
   time += dt;
   collect(dt);
   for (Body& body : bodies) {
+    if (body.motion != Motion::free) continue;
     pay_for_lift(body);
     look_after(body);
   }
@@ -158,6 +161,20 @@ void World::push(BodyId body, const Vec3& impulse) {
   btRigidBody& rigid = *state_->body(body).rigid;
   rigid.activate(true);
   rigid.applyCentralImpulse(to_bullet(impulse));
+}
+void World::push(BodyId body, const Vec3& impulse, const Vec3& point) {
+  State::Body& pushed = state_->body(body);
+  if (!pushed.is_simulated() || pushed.motion != Motion::free) return;
+  btRigidBody& rigid = *pushed.rigid;
+  rigid.activate(true);
+  rigid.applyImpulse(to_bullet(impulse), to_bullet(point) - rigid.getWorldTransform().getOrigin());
+}
+void World::drive(BodyId body, const Pose& pose) {
+  State::Body& driven = state_->body(body);
+  if (driven.motion != Motion::driven || !driven.is_simulated()) return;
+  const Quat axes = pose.orientation * driven.held.orientation.conjugate();
+  // Bullet takes the speed of a kinematic body from where it was a step ago.
+  driven.rigid->setWorldTransform(to_bullet(Pose{pose.position - axes * driven.held.position, axes}));
 }
 unsigned World::status(BodyId body) const {
   return state_->body(body).status;

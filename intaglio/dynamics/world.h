@@ -27,6 +27,14 @@ struct WorldOptions {
   NormalMethod normal_method = NormalMethod::implied;
   bool bodies_collide = true;  // with each other
   int most_substeps = 8;       // of one step, when bodies are fast
+  bool report_pairs = false;   // events of bodies that touch each other too
+};
+
+// How a body comes to move.
+enum class Motion {
+  free,    // by what acts on it
+  fixed,   // never: a post, a wall
+  driven,  // as World::drive says, whatever it meets: a flipper
 };
 
 struct SphereBody {
@@ -47,6 +55,7 @@ struct ShapeBody {
   Pose pose;
   Vec3 velocity = Vec3::Zero();          // m/s
   Vec3 angular_velocity = Vec3::Zero();  // rad/s
+  Motion motion = Motion::free;
 
   double mass() const;  // kg
 };
@@ -66,9 +75,18 @@ class World {
   // Bodies are numbered from 1; 0 is the floor. Positions and velocities are those of the body as drawn.
   BodyId add(const SphereBody& body);
   BodyId add(const ShapeBody& body);
+  // One more textured surface that does not move, where its placement says; numbered from
+  // first_surface_body. Bodies on it are drawn where they are simulated, also over a normal map.
+  BodyId add_surface(std::shared_ptr<const surface::Surface> surface, const Material& material);
 
   // An impulse through the body's centre (N s), from something outside this world: a pen. Wakes the body.
   void push(BodyId body, const Vec3& impulse);
+  // The same at a point of the body, world frame: it turns as well.
+  void push(BodyId body, const Vec3& impulse, const Vec3& point);
+  // Somewhere else, as if it had been added there.
+  void put(BodyId body, const Pose& pose, const Vec3& velocity, const Vec3& angular_velocity);
+  // Where a driven body is at the end of the next step; what it meets feels the speed at which it gets there.
+  void drive(BodyId body, const Pose& pose);
 
   // One fixed step. Afterwards events() holds its contacts, in order of body.
   void step();

@@ -86,9 +86,27 @@ BodyId World::add(const ShapeBody& body) {
   return state_->add(body);
 }
 
+void World::State::place(Body& body, const Pose& at, const Vec3& velocity, const Vec3& angular_velocity) {
+  Pose pose{at.position, at.orientation.normalized()};
+  if (drawn && body.is_simulated()) pose = drawn->simulated(body.shape, pose);
+  const Quat axes = pose.orientation * body.held.orientation.conjugate();
+  body.rigid->setWorldTransform(to_bullet(Pose{pose.position - axes * body.held.position, axes}));
+  body.rigid->setInterpolationWorldTransform(body.rigid->getWorldTransform());
+  body.rigid->setLinearVelocity(to_bullet(drawn ? drawn->simulated_velocity(velocity) : velocity));
+  body.rigid->setAngularVelocity(to_bullet(angular_velocity));
+}
+
+void World::put(BodyId id, const Pose& pose, const Vec3& velocity, const Vec3& angular_velocity) {
+  State::Body& body = state_->body(id);
+  if (!body.is_simulated()) return;
+  state_->place(body, pose, velocity, angular_velocity);
+  body.rigid->activate(true);
+}
+
 BodyId World::State::add(const ShapeBody& body) {
   Body added;
   added.shape = body.shape;
+  added.motion = body.motion;
   const bool finite = is_finite(body);
   if (!finite) added.status = not_simulated | contact::status::bad_pose;
   Inertia inertia = inertia_of(body);
@@ -101,8 +119,10 @@ BodyId World::State::add(const ShapeBody& body) {
   added.held = inertia.held;
   added.reach = contact::bounding_radius(body.shape) + added.held.position.norm();
   added.bullet_shape = to_bullet(added.shape, added.held);
-  btRigidBody::btRigidBodyConstructionInfo info(static_cast<btScalar>(inertia.mass), nullptr,
-                                                added.bullet_shape.whole(), to_bullet(inertia.moments));
+  if (body.motion != Motion::free) inertia.mass = 0;
+  btRigidBody::btRigidBodyConstructionInfo info(
+      static_cast<btScalar>(inertia.mass), nullptr, added.bullet_shape.whole(),
+      to_bullet(inertia.mass > 0 ? inertia.moments : Vec3::Zero().eval()));
   // Bullet multiplies both bodies' friction: square roots make that the geometric mean.
   info.m_friction = static_cast<btScalar>(std::sqrt(body.material.friction));
   info.m_restitution = static_cast<btScalar>(body.material.restitution);
@@ -118,14 +138,10 @@ BodyId World::State::add(const ShapeBody& body) {
   added.rigid = std::make_unique<btRigidBody>(info);
   const auto id = static_cast<BodyId>(bodies.size() + 1);
   added.rigid->setUserIndex(static_cast<int>(id));
-  if (finite) {
-    Pose pose{body.pose.position, body.pose.orientation.normalized()};
-    if (drawn && added.is_simulated()) pose = drawn->simulated(added.shape, pose);
-    const Quat axes = pose.orientation * added.held.orientation.conjugate();
-    added.rigid->setWorldTransform(to_bullet(Pose{pose.position - axes * added.held.position, axes}));
-    added.rigid->setLinearVelocity(
-        to_bullet(drawn ? drawn->simulated_velocity(body.velocity) : body.velocity));
-    added.rigid->setAngularVelocity(to_bullet(body.angular_velocity));
+  if (finite) place(added, body.pose, body.velocity, body.angular_velocity);
+  if (body.motion == Motion::driven) {
+    added.rigid->setCollisionFlags(added.rigid->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
+    added.rigid->setActivationState(DISABLE_DEACTIVATION);
   }
   if (added.is_simulated())
     world.addRigidBody(
@@ -133,6 +149,20 @@ BodyId World::State::add(const ShapeBody& body) {
         options.bodies_collide ? btBroadphaseProxy::AllFilter : btBroadphaseProxy::StaticFilter);
   bodies.push_back(std::move(added));
   look_after(bodies.back());
+  return id;
+}
+
+BodyId World::add_surface(std::shared_ptr<const surface::Surface> surface, const Material& material) {
+  State& s = *state_;
+  const auto& o = s.options;
+  auto ground = std::make_unique<State::Ground>(std::move(surface),
+                                                ContactOptions{o.representation, o.method, o.normal_method});
+  ground->rigid.setFriction(static_cast<btScalar>(std::sqrt(material.friction)));
+  ground->rigid.setRestitution(static_cast<btScalar>(material.restitution));
+  const auto id = static_cast<BodyId>(first_surface_body + s.grounds.size());
+  ground->rigid.setUserIndex(static_cast<int>(id));
+  s.world.addRigidBody(&ground->rigid);
+  s.grounds.push_back(std::move(ground));
   return id;
 }
 

@@ -17,17 +17,20 @@ Vec3 impulse_of(const btManifoldPoint& point) {
 
 }  // namespace
 
-ContactEvent World::State::event(const Body& body, const Vec3& point, const Vec3& impulse, double dt) const {
-  const surface::Placement& place = surface->placement();
+ContactEvent World::State::event(const Body& body, BodyId other, const Vec3& point, const Vec3& impulse,
+                                 double dt) const {
+  const surface::Surface& touched = surface_of(is_surface(other) ? other : floor_body);
+  const surface::Placement& place = touched.placement();
   const Vec3 velocity = from_bullet(body.rigid->getLinearVelocity());
   ContactEvent event;
   event.time = time;
   event.body = id(*body.rigid);
+  event.other = other;
   event.phase = body.touching ? ContactPhase::persist : ContactPhase::begin;
-  event.point = drawn ? drawn->point(point) : point;
+  event.point = drawn && other == floor_body ? drawn->point(point) : point;
   event.uv = place.uv(place.to_local(point));
   event.n_g = place.n();
-  event.n_s = options.representation == Representation::flat ? event.n_g : surface->world_normal(event.uv);
+  event.n_s = options.representation == Representation::flat ? event.n_g : touched.world_normal(event.uv);
   event.v_t = velocity - velocity.dot(event.n_g) * event.n_g;
   event.impulse = impulse;
   event.duration = dt;
@@ -43,15 +46,44 @@ void World::State::collect(const btPersistentManifold& manifold, double dt) {
     // zero.
     const Vec3 impulse = impulse_of(point);
     if (impulse.isZero()) continue;
-    if (a != floor_body) body(a).gained += impulse;
-    if (b != floor_body) body(b).gained -= impulse;
-    if (b != floor_body) body(a).met_another = body(b).met_another = true;
-    if (b != floor_body || !body(a).rigid->isActive()) continue;  // asleep: it is not happening again
+    if (!is_surface(a)) body(a).gained += impulse;
+    if (!is_surface(b)) {
+      body(b).gained -= impulse;
+      body(a).met_another = body(b).met_another = true;
+      if (options.report_pairs) collect_pair(point, impulse, a, b, dt);
+      continue;
+    }
+    if (is_surface(a) || !body(a).rigid->isActive()) continue;  // asleep: it is not happening again
     Body& touching = body(a);
     touching.touched = true;
     touching.last_point = from_bullet(point.m_positionWorldOnB);
-    events.push_back(event(touching, touching.last_point, impulse, dt));
+    touching.last_other = b;
+    events.push_back(event(touching, b, touching.last_point, impulse, dt));
   }
+}
+
+// Two bodies without texture between them. Each blow is told as a contact of its own, begun and over in its
+// step, so that nothing lingers; resting pairs push too little to be told.
+void World::State::collect_pair(const btManifoldPoint& point, const Vec3& impulse, BodyId a, BodyId b,
+                                double dt) {
+  const bool a_moves = body(a).motion == Motion::free;
+  const Body& moved = body(a_moves ? a : b);
+  const double mass = 1 / static_cast<double>(moved.rigid->getInvMass());
+  if (!moved.rigid->isActive() || impulse.norm() < 2 * mass * options.gravity.norm() * dt) return;
+  const Vec3 normal = from_bullet(point.m_normalWorldOnB) * (a_moves ? 1 : -1);
+  ContactEvent told;
+  told.time = time;
+  told.body = a_moves ? a : b;
+  told.other = a_moves ? b : a;
+  told.phase = ContactPhase::begin;
+  told.point = from_bullet(point.m_positionWorldOnB);
+  told.n_g = told.n_s = normal;
+  const Vec3 velocity = from_bullet(moved.rigid->getLinearVelocity());
+  told.v_t = velocity - velocity.dot(normal) * normal;
+  told.impulse = a_moves ? impulse : Vec3(-impulse);
+  told.duration = dt;
+  told.body_pose = drawn_pose(moved);
+  events.push_back(told);
 }
 
 void World::State::collect(double dt) {
@@ -65,7 +97,7 @@ void World::State::collect(double dt) {
   for (Body& body : bodies) {
     if (!body.is_moving()) continue;
     if (body.touching && !body.touched) {
-      events.push_back(event(body, body.last_point, Vec3::Zero(), dt));
+      events.push_back(event(body, body.last_other, body.last_point, Vec3::Zero(), dt));
       events.back().phase = ContactPhase::end;
     }
     body.touching = body.touched;

@@ -28,10 +28,23 @@ struct World::State {
     btTransform last_good = btTransform::getIdentity();
     double energy_before = 0;  // J
     unsigned status = 0;
+    Motion motion = Motion::free;
+    BodyId last_other = floor_body;
     bool touching = false, touched = false, met_another = false;
 
     bool is_simulated() const { return (status & not_simulated) == 0; }
-    bool is_moving() const { return is_simulated() && rigid->isActive(); }
+    bool is_moving() const { return motion == Motion::free && is_simulated() && rigid->isActive(); }
+  };
+  // A surface beside the floor.
+  struct Ground {
+    std::shared_ptr<const surface::Surface> surface;
+    TexturedShape shape;
+    btRigidBody rigid;
+
+    Ground(std::shared_ptr<const surface::Surface> s, const ContactOptions& options)
+        : surface(s),
+          shape(std::move(s), options),
+          rigid(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &shape)) {}
   };
 
   WorldOptions options;
@@ -46,6 +59,7 @@ struct World::State {
   btRigidBody floor;
   double floor_rolling_resistance = 0;
   std::vector<Body> bodies;
+  std::vector<std::unique_ptr<Ground>> grounds;
   std::vector<ContactEvent> events;
   double time = 0;
   std::int64_t steps = 0;
@@ -56,6 +70,7 @@ struct World::State {
 
   Body& body(BodyId id);
   BodyId add(const ShapeBody& body);  // world_bodies.cpp
+  void place(Body& body, const Pose& pose, const Vec3& velocity, const Vec3& angular_velocity);
   BodyId id(const btCollisionObject& object) const { return static_cast<BodyId>(object.getUserIndex()); }
   Pose pose(const Body& b) const {
     const Pose whole = from_bullet(b.rigid->getWorldTransform());
@@ -76,7 +91,11 @@ struct World::State {
   // world_events.cpp
   void collect(double dt);
   void collect(const btPersistentManifold& manifold, double dt);
-  ContactEvent event(const Body& body, const Vec3& point, const Vec3& impulse, double dt) const;
+  void collect_pair(const btManifoldPoint& point, const Vec3& impulse, BodyId a, BodyId b, double dt);
+  ContactEvent event(const Body& body, BodyId other, const Vec3& point, const Vec3& impulse, double dt) const;
+  const surface::Surface& surface_of(BodyId id) const {
+    return id == floor_body ? *surface : *grounds[id - first_surface_body]->surface;
+  }
   void audit(double dt);
 };
 

@@ -24,8 +24,6 @@ class EglContext {
 
   void make_current() const;
   void release() const;
-  // "llvmpipe ..., OpenGL ...": for logs and reports. The context must be current.
-  std::string description() const;
 
  private:
   EglContext(void* display, void* context) : display_(display), context_(context) {}
@@ -33,6 +31,9 @@ class EglContext {
   void* display_;  // EGLDisplay
   void* context_;  // EGLContext; null when moved from
 };
+
+// "llvmpipe ..., OpenGL ...", of the context that is current, whoever made it: for logs and reports.
+std::string description_of_current();
 
 // A context is current in this thread for as long as this lives.
 class Current {

@@ -59,10 +59,13 @@ void fill_light(FrameBlock& block, const Light& light, const surface::Placement&
 }
 
 void fill_bodies(FrameBlock& block, const FrameScene& scene, const surface::Placement& placement) {
-  const auto balls = std::min<std::size_t>(scene.balls.size(), max_shadow_balls);
-  for (std::size_t k = 0; k < balls; ++k) {
-    block.ball[k] = four(placement.to_local(scene.balls[k].pose.position), scene.balls[k].radius);
-  }
+  std::size_t balls = 0;
+  const auto casts = [&](const Vec3& centre, double radius) {
+    if (balls < max_shadow_balls) block.ball[balls++] = four(placement.to_local(centre), radius);
+  };
+  for (const Ball& ball : scene.balls) casts(ball.pose.position, ball.radius);
+  for (const Solid& solid : scene.solids)
+    if (solid.shadow_radius > 0) casts(solid.pose.position, solid.shadow_radius);
   block.count = {std::int32_t(balls), scene.pen ? 1 : 0, std::int32_t(scene.representation), 0};
   if (!scene.pen) return;
   const Pen& pen = *scene.pen;
@@ -73,17 +76,17 @@ void fill_bodies(FrameBlock& block, const FrameScene& scene, const surface::Plac
 
 }  // namespace
 
-FrameBlock surface_block(const surface::Surface& surface, const RendererOptions& options,
-                         int pyramid_levels) {
+FrameBlock surface_block(const SurfacePart& part, const RendererOptions& options, int pyramid_levels) {
   FrameBlock block = {};
+  const surface::Surface& surface = *part.surface;
   const auto& placement = surface.placement();
   const double depth = surface.has_depth() ? surface.max_depth() : 0;
-  const double slab = std::max(options.slab_thickness, 1.25 * depth);
+  const double slab = std::max(part.slab_thickness, 1.25 * depth);
   block.size = four({placement.size_u(), placement.size_v(), depth}, slab);
   block.texels = four(
       {double(surface.width()), double(surface.height()), std::min(surface.texel_u(), surface.texel_v())},
       surface.colour().empty() ? 0 : 1);
-  block.material = four(options.colour, options.roughness);
+  block.material = four(options.colour, part.roughness);
   block.steps = {options.linear_steps, options.binary_steps, options.shadow_steps, pyramid_levels};
   return block;
 }

@@ -24,9 +24,9 @@ struct FrameBlock {
 };
 static_assert(sizeof(FrameBlock) == 64 + 13 * 16 + max_shadow_balls * 16);
 
-// What of the block follows from the surface and the options, once for all frames. `pyramid_levels` is how
+// What of the block follows from a surface and the options, once for all frames. `pyramid_levels` is how
 // many levels the height pyramid has.
-FrameBlock surface_block(const surface::Surface& surface, const RendererOptions& options, int pyramid_levels);
+FrameBlock surface_block(const SurfacePart& part, const RendererOptions& options, int pyramid_levels);
 
 // The rest, for one frame. Matrices are column major, as OpenGL reads them.
 void fill_frame(FrameBlock& block, const FrameScene& scene, const surface::Placement& placement,

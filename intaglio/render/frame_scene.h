@@ -2,11 +2,13 @@
 // world frame; colours are linear RGB, 1 = white, unless said otherwise.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "intaglio/core/representation.h"
 #include "intaglio/core/vec.h"
+#include "intaglio/render/mesh.h"
 
 namespace intaglio::render {
 
@@ -37,6 +39,15 @@ struct Ball {
   Vec3 second_colour = Vec3(0.86, 0.84, 0.78);
 };
 
+// A body of any other shape, in one colour.
+struct Solid {
+  Pose pose;
+  std::shared_ptr<const Mesh>
+      mesh;  // uploaded when first drawn, and again forgotten when it is drawn no more
+  Vec3 colour = Vec3(0.62, 0.30, 0.10);
+  double shadow_radius = 0;  // m: it casts the shadow of a ball about its pose; 0: none
+};
+
 struct Pen {
   Vec3 tip = Vec3::Zero();
   Vec3 direction = Vec3::UnitY();  // from the tip up the shaft; any length
@@ -53,7 +64,8 @@ struct Background {
 struct FrameScene {
   Camera camera;
   Light light;
-  std::vector<Ball> balls;  // all are drawn; the first 32 cast shadows on other things
+  std::vector<Ball> balls;  // all are drawn; the first 32, then solids, cast shadows on other things
+  std::vector<Solid> solids;
   std::optional<Pen> pen;
   Representation representation = Representation::relief;
   Background background;

@@ -116,6 +116,7 @@ class Framebuffer {
   // Draws go here, over the whole of it.
   void bind() const;
   const Texture& colour() const { return colour_; }
+  GLuint name() const { return framebuffer_.get(); }
   int width() const { return width_; }
   int height() const { return height_; }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <map>
+#include <optional>
 
 #include "intaglio/render/egl_context.h"
 #include "intaglio/render/frame_block.h"
@@ -19,7 +21,7 @@ constexpr GLuint frame_binding = 0;
 enum Unit { heights_unit, bounds_unit, relief_unit, colour_unit, samples_unit };
 
 struct Programs {
-  gl::Program slab, ball, pen, resolve;
+  gl::Program slab, ball, plain, pen, resolve;
 
   static Result<Programs> create(March march);
 };
@@ -44,13 +46,17 @@ Result<Programs> Programs::create(March march) {
   auto ball = gl::Program::create("ball", {frame_glsl, solid_vert},
                                   {frame_glsl, heights_glsl, shadow_glsl, lighting_glsl, ball_frag});
   if (!ball) return tl::unexpected(ball.error());
+  auto plain = gl::Program::create("plain", {frame_glsl, solid_vert},
+                                   {frame_glsl, heights_glsl, shadow_glsl, lighting_glsl, plain_frag});
+  if (!plain) return tl::unexpected(plain.error());
   auto pen = gl::Program::create("pen", {frame_glsl, solid_vert},
                                  {frame_glsl, heights_glsl, shadow_glsl, lighting_glsl, pen_frag});
   if (!pen) return tl::unexpected(pen.error());
   auto resolve = gl::Program::create("resolve", {screen_vert}, {resolve_frag});
   if (!resolve) return tl::unexpected(resolve.error());
-  Programs result{std::move(*slab), std::move(*ball), std::move(*pen), std::move(*resolve)};
-  for (const gl::Program* program : {&result.slab, &result.ball, &result.pen, &result.resolve})
+  Programs result{std::move(*slab), std::move(*ball), std::move(*plain), std::move(*pen),
+                  std::move(*resolve)};
+  for (const gl::Program* program : {&result.slab, &result.ball, &result.plain, &result.pen, &result.resolve})
     connect(*program);
   return result;
 }
@@ -73,18 +79,51 @@ Result<void> check(const RendererOptions& o) {
   return {};
 }
 
+// What pictures are drawn into: samples, and the pixels that they become.
+struct Canvas {
+  gl::Framebuffer samples, pixels;
+
+  static Result<Canvas> create(const RendererOptions& options) {
+    const int s = options.supersample;
+    auto samples = gl::Framebuffer::create(options.width * s, options.height * s, GL_RGBA16F, true);
+    if (!samples) return tl::unexpected(samples.error());
+    auto pixels = gl::Framebuffer::create(options.width, options.height, GL_RGBA8, false);
+    if (!pixels) return tl::unexpected(pixels.error());
+    return Canvas{std::move(*samples), std::move(*pixels)};
+  }
+};
+
+// A textured rectangle on the device.
+struct Part {
+  surface::Placement placement;
+  SurfaceTextures textures;
+  FrameBlock block;
+
+  static Result<Part> create(const SurfacePart& part, const RendererOptions& options) {
+    auto textures = SurfaceTextures::create(*part.surface);
+    if (!textures) return tl::unexpected(textures.error());
+    const FrameBlock block = surface_block(part, options, textures->pyramid_levels);
+    return Part{part.surface->placement(), std::move(*textures), block};
+  }
+};
+
+// A solid's mesh on the device, and whether the last picture had it.
+struct Uploaded {
+  std::shared_ptr<const Mesh> mesh;
+  gl::VertexArray triangles;
+  bool is_used = true;
+};
+
 }  // namespace
 
 // Everything that lives on the device. The context is first: it dies last.
 struct Renderer::Gpu {
-  EglContext context;
-  surface::Placement placement;
+  std::optional<EglContext> context;  // none: the caller's
   RendererOptions options;
-  SurfaceTextures textures;
   Programs programs;
-  gl::Framebuffer samples;
-  gl::Framebuffer pixels;
-  FrameBlock block;
+  Canvas canvas;
+  std::vector<Part> parts = {};
+  std::map<const Mesh*, Uploaded> solids = {};
   gl::UniformBuffer frame{frame_binding, sizeof(FrameBlock)};
   gl::VertexArray no_vertices;
   gl::VertexArray sphere{unit_sphere()};
@@ -92,39 +131,56 @@ struct Renderer::Gpu {
   Vec2 pen_mesh_size = Vec2::Zero();  // length and radius that pen_mesh was made for
   Camera camera;                      // of the last draw
 
+  void draw(const FrameScene& scene);
+  void begin(Part& part, const FrameScene& scene);
   void draw_slab();
   void draw_balls(const std::vector<Ball>& balls);
+  void draw_solids(const FrameScene& scene);
   void draw_pen(const Pen& pen_);
-  Image8 resolve(const Background& background);
+  void resolve(const Background& background);
 };
+
+namespace {
+
+// The context of its own is current for as long as this lives; a caller's is already.
+std::optional<Current> current(const std::optional<EglContext>& context) {
+  return context ? std::optional<Current>(std::in_place, *context) : std::nullopt;
+}
+
+Image8 pixels_of(const gl::Framebuffer& framebuffer) {
+  Image8 image(framebuffer.width(), framebuffer.height(), 3);
+  framebuffer.bind();
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, image.width, image.height, GL_RGB, GL_UNSIGNED_BYTE, image.data.data());
+  return image;
+}
+
+}  // namespace
 
 Result<std::unique_ptr<Renderer>> Renderer::create(const surface::Surface& surface,
                                                    const RendererOptions& options) {
   if (const auto ok = check(options); !ok) return tl::unexpected(ok.error());
-  auto context = EglContext::create();
-  if (!context) return tl::unexpected(context.error());
-  const int s = options.supersample;
-  auto samples = gl::Framebuffer::create(options.width * s, options.height * s, GL_RGBA16F, true);
-  if (!samples) return tl::unexpected(samples.error());
-  auto pixels = gl::Framebuffer::create(options.width, options.height, GL_RGBA8, false);
-  if (!pixels) return tl::unexpected(pixels.error());
+  std::optional<EglContext> context;
+  if (options.context == Context::own) {
+    auto created = EglContext::create();
+    if (!created) return tl::unexpected(created.error());
+    context = std::move(*created);
+  }
+  auto canvas = Canvas::create(options);
+  if (!canvas) return tl::unexpected(canvas.error());
   auto programs = Programs::create(options.march);
   if (!programs) return tl::unexpected(programs.error());
-  auto textures = SurfaceTextures::create(surface);
-  if (!textures) return tl::unexpected(textures.error());
-  const FrameBlock block = surface_block(surface, options, textures->pyramid_levels);
-  auto gpu = std::unique_ptr<Gpu>(new Gpu{.context = std::move(*context),
-                                          .placement = surface.placement(),
+  auto part = Part::create({&surface, options.slab_thickness, options.roughness}, options);
+  if (!part) return tl::unexpected(part.error());
+  auto gpu = std::unique_ptr<Gpu>(new Gpu{.context = std::move(context),
                                           .options = options,
-                                          .textures = std::move(*textures),
                                           .programs = std::move(*programs),
-                                          .samples = std::move(*samples),
-                                          .pixels = std::move(*pixels),
-                                          .block = block,
+                                          .canvas = std::move(*canvas),
                                           .no_vertices = {},
                                           .pen_mesh = {},
                                           .camera = {}});
-  gpu->context.release();
+  gpu->parts.push_back(std::move(*part));
+  if (gpu->context) gpu->context->release();
   return std::unique_ptr<Renderer>(new Renderer(std::move(gpu)));
 }
 
@@ -132,33 +188,101 @@ Renderer::Renderer(std::unique_ptr<Gpu> gpu) : gpu_(std::move(gpu)) {}
 
 // The device's objects die with their context current; it lets go when it dies, last.
 Renderer::~Renderer() {
-  gpu_->context.make_current();
+  if (gpu_->context) gpu_->context->make_current();
 }
 
 std::string Renderer::device() const {
-  const Current current(gpu_->context);
-  return gpu_->context.description();
+  const auto scope = current(gpu_->context);
+  return description_of_current();
+}
+
+Result<void> Renderer::show(std::span<const SurfacePart> shown) {
+  const auto scope = current(gpu_->context);
+  std::vector<Part> parts;
+  for (const SurfacePart& part : shown) {
+    auto created = Part::create(part, gpu_->options);
+    if (!created) return tl::unexpected(created.error());
+    parts.push_back(std::move(*created));
+  }
+  gpu_->parts = std::move(parts);
+  return {};
+}
+
+Result<void> Renderer::resize(int width, int height) {
+  const auto scope = current(gpu_->context);
+  RendererOptions options = gpu_->options;
+  options.width = width;
+  options.height = height;
+  auto canvas = Canvas::create(options);
+  if (!canvas) return tl::unexpected(canvas.error());
+  gpu_->canvas = std::move(*canvas);
+  gpu_->options = options;
+  return {};
 }
 
 Image8 Renderer::draw(const FrameScene& scene) {
-  Gpu& gpu = *gpu_;
-  const Current current(gpu.context);
-  gpu.camera = scene.camera;
-  fill_frame(gpu.block, scene, gpu.placement, gpu.options);
-  gpu.frame.write(&gpu.block);
-  gpu.samples.bind();
+  const auto scope = current(gpu_->context);
+  gpu_->draw(scene);
+  return pixels_of(gpu_->canvas.pixels);
+}
+
+void Renderer::draw_to(const FrameScene& scene, unsigned framebuffer, int width, int height) {
+  const auto scope = current(gpu_->context);
+  gpu_->draw(scene);
+  const gl::Framebuffer& pixels = gpu_->canvas.pixels;
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, pixels.name());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
+  // Pixels have their top row first, a window its bottom row.
+  glBlitFramebuffer(0, 0, pixels.width(), pixels.height(), 0, height, width, 0, GL_COLOR_BUFFER_BIT,
+                    pixels.width() == width && pixels.height() == height ? GL_NEAREST : GL_LINEAR);
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+  glViewport(0, 0, width, height);
+  glDisable(GL_CULL_FACE);
+}
+
+Result<Image8> Renderer::capture(int width, int height) {
+  const auto scope = current(gpu_->context);
+  auto target = gl::Framebuffer::create(width, height, GL_RGBA8, false);
+  if (!target) return tl::unexpected(target.error());
+  const gl::Framebuffer& pixels = gpu_->canvas.pixels;
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, pixels.name());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target->name());
+  glBlitFramebuffer(0, 0, pixels.width(), pixels.height(), 0, 0, width, height, GL_COLOR_BUFFER_BIT,
+                    GL_LINEAR);
+  return pixels_of(*target);
+}
+
+void Renderer::Gpu::draw(const FrameScene& scene) {
+  camera = scene.camera;
+  canvas.samples.bind();
+  glDisable(GL_SCISSOR_TEST);
+  glDisable(GL_BLEND);
   glClearColor(0, 0, 0, 0);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   glEnable(GL_DEPTH_TEST);
   glEnable(GL_CULL_FACE);
-  gpu.textures.heights.bind(heights_unit);
-  gpu.textures.bounds.bind(bounds_unit);
-  gpu.textures.relief.bind(relief_unit);
-  gpu.textures.colour.bind(colour_unit);
-  gpu.draw_balls(scene.balls);
-  if (scene.pen) gpu.draw_pen(*scene.pen);
-  gpu.draw_slab();
-  return gpu.resolve(scene.background);
+  glFrontFace(GL_CCW);
+  glCullFace(GL_BACK);
+  begin(parts.front(), scene);
+  draw_balls(scene.balls);
+  draw_solids(scene);
+  if (scene.pen) draw_pen(*scene.pen);
+  draw_slab();
+  for (std::size_t k = 1; k < parts.size(); ++k) {
+    begin(parts[k], scene);
+    draw_slab();
+  }
+  resolve(scene.background);
+}
+
+// What is drawn next is drawn in that part's frame.
+void Renderer::Gpu::begin(Part& part, const FrameScene& scene) {
+  fill_frame(part.block, scene, part.placement, options);
+  frame.write(&part.block);
+  part.textures.heights.bind(heights_unit);
+  part.textures.bounds.bind(bounds_unit);
+  part.textures.relief.bind(relief_unit);
+  part.textures.colour.bind(colour_unit);
 }
 
 void Renderer::Gpu::draw_slab() {
@@ -172,12 +296,30 @@ void Renderer::Gpu::draw_balls(const std::vector<Ball>& balls) {
   programs.ball.use();
   for (std::size_t k = 0; k < balls.size(); ++k) {
     const Ball& ball = balls[k];
-    programs.ball.set("model", model_matrix(ball.pose, ball.radius, placement));
+    programs.ball.set("model", model_matrix(ball.pose, ball.radius, parts.front().placement));
     programs.ball.set("self", k < max_shadow_balls ? static_cast<int>(k) : -2);
     programs.ball.set("colour_a", Eigen::Vector3f(ball.colour.cast<float>()));
     programs.ball.set("colour_b", Eigen::Vector3f(ball.second_colour.cast<float>()));
     sphere.draw();
   }
+}
+
+void Renderer::Gpu::draw_solids(const FrameScene& scene) {
+  programs.plain.use();
+  for (auto& entry : solids) entry.second.is_used = false;
+  int caster = static_cast<int>(scene.balls.size());
+  for (const Solid& solid : scene.solids) {
+    auto [at, is_new] = solids.try_emplace(solid.mesh.get());
+    if (is_new) at->second = {solid.mesh, gl::VertexArray(*solid.mesh)};
+    at->second.is_used = true;
+    programs.plain.set("model", model_matrix(solid.pose, 1, parts.front().placement));
+    const bool casts = solid.shadow_radius > 0 && caster < max_shadow_balls;
+    programs.plain.set("self", casts ? caster : -2);
+    if (solid.shadow_radius > 0) ++caster;
+    programs.plain.set("colour_a", Eigen::Vector3f(solid.colour.cast<float>()));
+    at->second.triangles.draw();
+  }
+  std::erase_if(solids, [](const auto& entry) { return !entry.second.is_used; });
 }
 
 void Renderer::Gpu::draw_pen(const Pen& pen_) {
@@ -186,35 +328,32 @@ void Renderer::Gpu::draw_pen(const Pen& pen_) {
     pen_mesh_size = wanted;
   }
   programs.pen.use();
-  programs.pen.set("model", model_matrix(pen_pose(pen_), 1, placement));
+  programs.pen.set("model", model_matrix(pen_pose(pen_), 1, parts.front().placement));
   programs.pen.set("colour_a", Eigen::Vector3f(pen_.colour.cast<float>()));
   pen_mesh.draw();
 }
 
-Image8 Renderer::Gpu::resolve(const Background& background) {
-  pixels.bind();
+void Renderer::Gpu::resolve(const Background& background) {
+  canvas.pixels.bind();
   glDisable(GL_DEPTH_TEST);
-  samples.colour().bind(samples_unit);
+  canvas.samples.colour().bind(samples_unit);
   programs.resolve.use();
   programs.resolve.set("supersample", options.supersample);
   programs.resolve.set("background_top", Eigen::Vector3f(background.top.cast<float>()));
   programs.resolve.set("background_bottom", Eigen::Vector3f(background.bottom.cast<float>()));
   no_vertices.draw_unindexed(3);
-  Image8 image(options.width, options.height, 3);
-  glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glReadPixels(0, 0, image.width, image.height, GL_RGB, GL_UNSIGNED_BYTE, image.data.data());
-  return image;
 }
 
 std::vector<float> Renderer::depth() const {
   const Gpu& gpu = *gpu_;
-  const Current current(gpu.context);
-  gpu.samples.bind();
+  const auto scope = current(gpu.context);
+  gpu.canvas.samples.bind();
   const auto s = static_cast<std::size_t>(gpu.options.supersample);
   const auto width = static_cast<std::size_t>(gpu.options.width);
   const auto height = static_cast<std::size_t>(gpu.options.height);
   std::vector<float> window(width * s * height * s);
-  glReadPixels(0, 0, gpu.samples.width(), gpu.samples.height(), GL_DEPTH_COMPONENT, GL_FLOAT, window.data());
+  glReadPixels(0, 0, gpu.canvas.samples.width(), gpu.canvas.samples.height(), GL_DEPTH_COMPONENT, GL_FLOAT,
+               window.data());
   const double near = gpu.camera.near;
   const double far = gpu.camera.far;
   std::vector<float> out(width * height);

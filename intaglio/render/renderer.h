@@ -7,11 +7,13 @@
 // drawn where they are cut.
 //
 // Thread: any, one at a time; a renderer has its own GL context, current in the caller's thread during a call
-// only. Deterministic: the same driver, surface and scene give the same bytes. Cost: about 0.2 CPU-seconds
-// for a frame of 640 x 360 with supersample 2 on llvmpipe, and 0.2 to create.
+// only, unless it is told to use the caller's: that of a window. Deterministic: the same driver, surface and
+// scene give the same bytes. Cost: about 0.2 CPU-seconds for a frame of 640 x 360 with supersample 2 on
+// llvmpipe, and 0.2 to create.
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,6 +28,19 @@ namespace intaglio::render {
 // pyramid.
 enum class March { classic, pyramid };
 
+// Whose OpenGL 3.3 core context is drawn with.
+enum class Context {
+  own,      // one without a window (egl_context.h)
+  callers,  // the one that is current in the caller's thread, the same at every call and at destruction
+};
+
+// One textured rectangle of the picture, where its placement says.
+struct SurfacePart {
+  const surface::Surface* surface = nullptr;  // uploaded by the call that it is given to
+  double slab_thickness = 0.03;
+  double roughness = 0.55;
+};
+
 struct RendererOptions {
   int width = 1280;
   int height = 720;
@@ -38,6 +53,7 @@ struct RendererOptions {
       0.03;                 // metres below the base plane; raised to 1.25 times the relief's depth where less
   double roughness = 0.55;  // of the surface, 0..1 (GGX: the square is the slope's spread)
   Vec3 colour = Vec3(0.45, 0.44, 0.42);  // of the surface where it has no colour map; linear RGB
+  Context context = Context::own;
 };
 
 class Renderer {
@@ -48,8 +64,19 @@ class Renderer {
                                                   const RendererOptions& options);
   ~Renderer();
 
+  // Draws these surfaces from now on; the first one is where bodies get their shadows from. At least one. On
+  // failure what was shown before stays.
+  Result<void> show(std::span<const SurfacePart> parts);
+  // The size of pictures from now on; on failure it stays as it was.
+  Result<void> resize(int width, int height);
+
   // The picture: sRGB, 3 channels, row 0 at the top.
   Image8 draw(const FrameScene& scene);
+  // Draws into the lower left width x height pixels of a framebuffer of the context (0: the window),
+  // stretched when the picture has another size. Leaves that framebuffer bound, with nothing enabled.
+  void draw_to(const FrameScene& scene, unsigned framebuffer, int width, int height);
+  // The last picture again, at a size of its own: what a recording wants of a window that may be resized.
+  Result<Image8> capture(int width, int height);
 
   // Linear depth of the last draw, width x height, row 0 at the top: metres from the eye along the camera's
   // axis (not along the pixel's ray), infinity where only the background is seen. A pixel has the depth of

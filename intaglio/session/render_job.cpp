@@ -14,6 +14,7 @@
 #include "intaglio/session/logs.h"
 #include "intaglio/session/progress.h"
 #include "intaglio/session/report.h"
+#include "intaglio/session/scene_picture.h"
 #include "intaglio/session/simulation.h"
 #include "intaglio/session/video.h"
 #include "intaglio/sound/outputs/wav.h"
@@ -56,36 +57,15 @@ class Outputs {
   bool kept_ = false;
 };
 
-render::FrameScene frame_scene(const Scene& scene, const Snapshot& snapshot) {
-  render::FrameScene frame;
-  frame.camera.eye = scene.camera.eye;
-  frame.camera.target = scene.camera.target;
-  frame.camera.fov_y_degrees = scene.camera.vertical_fov;
-  frame.light.direction = scene.light;
-  frame.representation = scene.surface.representation;
-  for (std::size_t k = 0; k < snapshot.balls.size(); ++k) {
-    render::Ball ball;
-    ball.pose = snapshot.balls[k];
-    ball.radius = scene.balls[k].radius;
-    frame.balls.push_back(ball);
-  }
-  if (snapshot.pen_tip) {
-    render::Pen pen;
-    pen.tip = *snapshot.pen_tip;
-    pen.direction = scene.pen->direction;
-    pen.length = scene.pen->length;
-    pen.radius = scene.pen->radius;
-    frame.pen = pen;
-  }
-  return frame;
-}
-
 // Draws and encodes snapshots, on a thread of its own or on the caller's.
 class Pictures {
  public:
   Pictures(const Scene& scene, render::Renderer& renderer, VideoWriter& video, bool own_thread,
            std::int64_t frames)
-      : scene_(scene), renderer_(renderer), video_(video), key_every_(std::max<std::int64_t>(1, frames / 6)) {
+      : picture_(scene),
+        renderer_(renderer),
+        video_(video),
+        key_every_(std::max<std::int64_t>(1, frames / 6)) {
     pthread_getcpuclockid(pthread_self(), &senses_);
     if (own_thread) thread_ = std::thread([this] { work(); });
   }
@@ -142,7 +122,7 @@ class Pictures {
 
   Result<void> draw(const Snapshot& snapshot) {
     const std::int64_t start = drawing_cpu_ns();
-    const Image8 image = renderer_.draw(frame_scene(scene_, snapshot));
+    const Image8 image = renderer_.draw(picture_.frame(snapshot.balls, snapshot.bodies, snapshot.pen_tip));
     cost_.add(drawing_cpu_ns() - start);
     if (frames_++ % key_every_ == key_every_ / 2 && key_frames_.size() < 6)
       key_frames_.push_back({snapshot.time, image});
@@ -154,7 +134,7 @@ class Pictures {
     return process_cpu_ns() - (thread_.joinable() ? cpu_ns(senses_) : 0);
   }
 
-  const Scene& scene_;
+  ScenePicture picture_;
   render::Renderer& renderer_;
   VideoWriter& video_;
   clockid_t senses_{};
@@ -193,6 +173,8 @@ Result<Recording> render(const Scene& scene, const RenderJob& job) {
   options.roughness = surface->roughness;
   auto renderer = render::Renderer::create(*surface->surface, options);
   if (!renderer) return tl::unexpected(renderer.error());
+  if (auto shown = (*renderer)->show(surface_parts(scene, *surface)); !shown)
+    return tl::unexpected(shown.error());
   auto video = VideoWriter::create(job.output, scene.video.width, scene.video.height, scene.video.fps);
   if (!video) return tl::unexpected(video.error());
 

@@ -6,25 +6,11 @@
 #include "intaglio/core/file.h"
 #include "intaglio/core/material_reader.h"
 #include "intaglio/core/toml_reader.h"
+#include "intaglio/session/scene_reader.h"
 
 namespace intaglio::session {
 
 namespace {
-
-constexpr double unbounded = std::numeric_limits<double>::max();
-
-Range positive(const char* says, double high = unbounded) {
-  return {0, high, true, says};
-}
-Range at_least_zero(const char* says, double high = unbounded) {
-  return {0, high, false, says};
-}
-
-void read_direction(TomlReader& r, const char* key, Vec3& direction) {
-  r.vector(key, direction);
-  if (direction.norm() < 1e-9 || direction.norm() > 1e9)
-    r.fail_at(key, std::string(key) + " has no direction", "give a vector that is not zero");
-}
 
 void read_surface(TomlReader& r, SurfaceScene& surface) {
   r.text("texture", surface.texture);
@@ -74,24 +60,15 @@ void read_physics(TomlReader& r, PhysicsScene& physics) {
   int method = static_cast<int>(physics.method);
   r.choice("contact", {"closest", "directional"}, method);
   physics.method = static_cast<dynamics::ContactMethod>(method);
-}
-
-void read_ball(TomlReader& r, std::vector<dynamics::SphereBody>& balls) {
-  dynamics::SphereBody ball;
-  ball.material = *find_material("plastic");
-  r.number("radius", ball.radius, {0.001, 10, false, "a radius must be between 0.001 m and 10 m"});
-  read_material(r, "material", ball.material);
-  if (r.has("mass")) {
-    double mass = 0;
-    r.number("mass", mass, positive("a mass must be greater than 0 kg"));
-    ball.material.density *= mass / ball.mass();
+  int normals = static_cast<int>(physics.normal_method);
+  r.choice("normals", {"implied", "literal"}, normals);
+  physics.normal_method = static_cast<dynamics::NormalMethod>(normals);
+  if (r.has("respawn_below")) {
+    r.number("respawn_below", physics.respawn_below.emplace(),
+             {-1e4, 1e4, false, "a height must be between -10000 m and 10000 m"});
   } else {
-    r.optional_key("mass");
+    r.optional_key("respawn_below");
   }
-  r.vector("position", ball.position);
-  r.vector("velocity", ball.velocity);
-  r.vector("spin", ball.angular_velocity);
-  balls.push_back(ball);
 }
 
 void read_path(TomlReader& r, PenScene& pen) {
@@ -182,7 +159,9 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name) {
   read_direction(r, "light", scene.light);
   r.table("surface", [&](TomlReader& t) { read_surface(t, scene.surface); });
   r.table("physics", [&](TomlReader& t) { read_physics(t, scene.physics); });
-  r.tables("ball", [&](TomlReader& t) { read_ball(t, scene.balls); });
+  r.tables("ground", [&](TomlReader& t) { read_surface(t, scene.grounds.emplace_back()); });
+  r.tables("ball", [&](TomlReader& t) { read_ball(t, scene.surface, scene.balls); });
+  r.tables("body", [&](TomlReader& t) { read_body(t, scene.surface, scene.bodies); });
   r.table("pen", [&](TomlReader& t) { read_pen(t, scene.pen.emplace()); });
   r.table("sound", [&](TomlReader& t) { read_sound(t, scene.sound); });
   r.table("video", [&](TomlReader& t) { read_video(t, scene.video); });
@@ -195,7 +174,18 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name) {
 Result<Scene> read_scene(const std::filesystem::path& path) {
   const auto bytes = read_file(path, 16u << 20);
   if (!bytes) return tl::unexpected(bytes.error());
-  return parse_scene({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path.string());
+  auto scene = parse_scene({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path.string());
+  if (!scene) return scene;
+  // What is not in the working folder may lie beside the scene.
+  const auto find = [&](SurfaceScene& surface) {
+    std::error_code ignored;
+    const auto beside = path.parent_path() / surface.texture;
+    if (!std::filesystem::exists(surface.texture, ignored) && std::filesystem::exists(beside, ignored))
+      surface.texture = beside.string();
+  };
+  find(scene->surface);
+  for (SurfaceScene& ground : scene->grounds) find(ground);
+  return scene;
 }
 
 }  // namespace intaglio::session

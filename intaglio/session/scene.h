@@ -38,6 +38,28 @@ struct PhysicsScene {
   int rate = 480;  // Hz
   Vec3 gravity = Vec3(0, -9.81, 0);
   dynamics::ContactMethod method = dynamics::ContactMethod::closest;
+  dynamics::NormalMethod normal_method = dynamics::NormalMethod::implied;
+  std::optional<double> respawn_below;  // m: what falls below starts again where it began
+};
+
+struct BallScene : dynamics::SphereBody {
+  std::optional<Vec3> colour;  // linear RGB; unset: the usual two tones
+};
+
+// A driven body that turns about a pivot while a key is held: the pinball's.
+struct Flipper {
+  int key = 0;                // 0: the left key, 1: the right one
+  Vec3 pivot = Vec3::Zero();  // m, in the body's frame
+  Vec3 axis = Vec3::UnitY();  // in the body's frame
+  double sweep = 50;          // degrees, from rest to struck; negative the other way
+};
+
+struct BodyScene {
+  std::string name;  // for reports: "box", "letter A"
+  dynamics::ShapeBody body;
+  Vec3 colour = Vec3(0.62, 0.30, 0.10);  // linear RGB
+  double kick = 0;                       // m/s that it adds to a ball that touches it: a bumper
+  std::optional<Flipper> flipper;        // then its motion is driven
 };
 
 struct PenScene {
@@ -79,13 +101,18 @@ struct Scene {
   int seed = 1;
   SurfaceScene surface;
   PhysicsScene physics;
-  std::vector<dynamics::SphereBody> balls;
+  std::vector<SurfaceScene> grounds;  // textured surfaces beside the floor, which do not move
+  std::vector<BallScene> balls;
+  std::vector<BodyScene> bodies;
   std::optional<PenScene> pen;
   SoundScene sound;
   VideoScene video;
   CameraScene camera;
   Vec3 light = Vec3(-0.55, 0.75, -0.35);  // towards the light
 };
+
+// About X, then Y, then Z.
+Quat rotation_of(const Vec3& degrees);
 
 // Reads a scene from text; `name` stands for the file in errors.
 Result<Scene> parse_scene(std::string_view text, const std::string& name);

@@ -2,29 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <map>
-#include <numbers>
 
 #include "intaglio/haptics/contact_stiffness.h"
 #include "intaglio/haptics/limits.h"
-#include "intaglio/sound/fem/shapes.h"
 #include "intaglio/sound/level.h"
-#include "intaglio/surface/builtin/builtin.h"
-#include "intaglio/surface/import.h"
-#include "intaglio/surface/maps.h"
 
 namespace intaglio::session {
 
 namespace {
 
 constexpr std::size_t block_size = 64;
-
-Quat rotation_of(const Vec3& degrees) {
-  const Vec3 r = degrees * std::numbers::pi / 180;
-  return Eigen::AngleAxisd(r.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(r.y(), Vec3::UnitY()) *
-         Eigen::AngleAxisd(r.x(), Vec3::UnitX());
-}
 
 // What the scene's pen cannot display without the hand's help, if anything.
 std::optional<std::string> stability_of(const PenScene& pen) {
@@ -43,46 +30,6 @@ int servo_rate(const Scene& scene) {
 }
 
 }  // namespace
-
-Result<SceneSurface> make_surface(const Scene& scene) {
-  const SurfaceScene& from = scene.surface;
-  SceneSurface out;
-  out.material = *find_material("brick");
-  surface::Texels texels;
-  double depth = 0;
-  auto recipe = surface::recipe_named(from.texture);
-  if (!recipe) return tl::unexpected(recipe.error());
-  if (*recipe) {
-    const surface::BuiltinMaterial& about = (*recipe)->about;
-    texels = surface::to_texels(surface::make_texture(**recipe, surface::builtin_size));
-    out.material = about.material;
-    out.roughness = about.roughness;
-    depth = about.depth_fraction * from.size.x();
-    if (from.depth) surface::rescale_normals(texels.normal, *from.depth / depth);
-    depth = from.depth.value_or(depth);
-  } else {
-    surface::ImportOptions options;
-    options.green = from.green;
-    options.polarity = from.polarity;
-    options.mode = from.mode;
-    options.edge = from.edge;
-    if (from.depth) options.depth_fraction = *from.depth / from.size.x();
-    auto imported = surface::import_texture(from.texture, options);
-    if (!imported) return tl::unexpected(imported.error());
-    out.notes = imported->notes;
-    for (const std::string& warning : imported->warnings) out.notes.push_back("warning: " + warning);
-    depth = imported->depth_fraction * from.size.x();
-    texels = std::move(imported->texels);
-  }
-  if (from.material) out.material = *from.material;
-  if (texels.depth.empty() && from.representation == Representation::relief) {
-    return fail(from.texture, "has normals but no depth",
-                "take maps = \"fused\", give a height map too, or use --representation normal");
-  }
-  const surface::Placement placement(from.position, rotation_of(from.rotation), from.size.x(), from.size.y());
-  out.surface = std::make_shared<const surface::Surface>(std::move(texels), placement, depth, from.edge);
-  return out;
-}
 
 haptics::ServoOptions pen_options(const Scene& scene, const Material& floor) {
   const PenScene& pen = *scene.pen;
@@ -109,10 +56,9 @@ Simulation::Simulation(const Scene& scene, const SceneSurface& surface)
     : scene_(scene),
       surface_(surface.surface),
       floor_material_(surface.material),
+      grounds_(surface.grounds),
       clock_({scene.physics.rate, servo_rate(scene), scene.sound.sample_rate, scene.video.fps}),
-      world_(surface_, floor_material_,
-             {scene.surface.representation, scene.physics.method, scene.physics.gravity,
-              1.0 / scene.physics.rate}),
+      world_(scene, surface, scene.surface.representation),
       block_(block_size) {
   recording_.title = scene.title;
   recording_.duration = scene.duration;
@@ -123,13 +69,13 @@ Simulation::Simulation(const Scene& scene, const SceneSurface& surface)
   recording_.representation = scene.surface.representation;
   recording_.surface = surface_;
   recording_.texture = scene.surface.texture;
-  for (const dynamics::SphereBody& ball : scene.balls)
-    recording_.balls.push_back({world_.add(ball), ball.radius, {}});
+  for (std::size_t k = 0; k < scene.balls.size(); ++k)
+    recording_.balls.push_back({world_.ball(k), scene.balls[k].radius, {}});
   if (scene.pen) {
     device_.emplace(scene.pen->device, scene.pen->hand, device_path(*scene.pen));
     servo_.emplace(surface_, pen_options(scene, floor_material_));
     if (const auto warning = stability_of(*scene.pen)) recording_.warnings.push_back(*warning);
-    recording_.pen = static_cast<BodyId>(scene.balls.size() + 1);
+    recording_.pen = world_.pen();
     pushed_.assign(std::min(scene.balls.size(), haptics::most_balls), Vec3::Zero());
   }
 }
@@ -140,105 +86,12 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const Scene& scene, const
   return simulation;
 }
 
-// Models of one scene, each baked once: twenty equal balls share one.
-class Simulation::Bakery {
- public:
-  Bakery(const std::string& scene, int modes, Recording& recording) : scene_(scene), recording_(recording) {
-    options_.modes.count = modes;
-  }
-
-  // Adds a ringing body of that mesh. `shape` names the mesh: equal names and materials are the same model.
-  void add(sound::SoundBody body, const std::string& name, const std::string& shape,
-           const std::function<sound::TetMesh()>& mesh, const Material& material) {
-    if (error_) return;
-    const std::string key =
-        fmt::format("{} {} {} {} {} {} {}", shape, material.name, material.density, material.youngs_modulus,
-                    material.poisson_ratio, material.rayleigh_alpha, material.rayleigh_beta);
-    auto& model = models_[key];
-    if (!model) {
-      auto baked = sound::bake(mesh(), material, options_);
-      if (!baked) {
-        error_ = Error{scene_,
-                       fmt::format("modal analysis of the {} failed: {}", name, baked.error().message()), ""};
-        return;
-      }
-      model = std::make_shared<const sound::ModalModel>(std::move(*baked));
-    }
-    Voice voice{body.id, name, material.name, {}, {}};
-    for (const double omega : model->angular_frequency)
-      voice.frequencies.push_back(omega / (2 * std::numbers::pi));
-    for (const double damping : model->damping) voice.t60.push_back(std::log(1000.0) / damping);
-    recording_.voices.push_back(std::move(voice));
-    body.mass = model->mass;
-    body.model = model;
-    bodies_.push_back(std::move(body));
-  }
-  Result<std::vector<sound::SoundBody>> bodies() {
-    if (error_) return tl::unexpected(*error_);
-    return std::move(bodies_);
-  }
-
- private:
-  std::string scene_;
-  Recording& recording_;
-  sound::BakeOptions options_;
-  std::map<std::string, std::shared_ptr<const sound::ModalModel>> models_;
-  std::vector<sound::SoundBody> bodies_;
-  std::optional<Error> error_;
-};
-
-void Simulation::bake_floor(Bakery& bakery) const {
-  const SurfaceScene& slab = scene_.surface;
-  // The slab hangs below the base plane; its modal model is a box about its middle, Y up.
-  sound::SoundBody floor;
-  floor.id = floor_body;
-  floor.is_fixed = true;
-  floor.surface = surface_;
-  floor.rest_pose = {
-      surface_->placement().to_world({slab.size.x() / 2, slab.size.y() / 2, -slab.thickness / 2}),
-      rotation_of(slab.rotation)};
-  constexpr int cells = 24;
-  const auto along = [&](double side) {
-    return std::clamp(static_cast<int>(std::lround(cells * side / slab.size.maxCoeff())), 2, cells);
-  };
-  const auto mesh = [&] {
-    return sound::box({slab.size.x(), slab.thickness, slab.size.y()}, along(slab.size.x()), 1,
-                      along(slab.size.y()));
-  };
-  bakery.add(floor, "floor", "slab", mesh, floor_material_);
-}
-
 Result<void> Simulation::bake() {
   const std::int64_t start = process_cpu_ns();
-  Bakery bakery(scene_.name, scene_.sound.modes, recording_);
-  bake_floor(bakery);
-  for (std::size_t k = 0; k < scene_.balls.size(); ++k) {
-    const dynamics::SphereBody& ball = scene_.balls[k];
-    sound::SoundBody body;
-    body.id = recording_.balls[k].body;
-    body.radius_of_curvature = ball.radius;
-    const std::string name = scene_.balls.size() == 1 ? "ball" : fmt::format("ball {}", k + 1);
-    bakery.add(
-        body, name, fmt::format("ball {}", ball.radius), [&] { return sound::ball(ball.radius, 2); },
-        ball.material);
-  }
-  if (scene_.pen) {
-    sound::SoundBody body;
-    body.id = recording_.pen;
-    body.radius_of_curvature = 0.001;  // a pen's tip, not its shaft
-    bakery.add(
-        body, "pen", "pen", [&] { return sound::cylinder(scene_.pen->radius, scene_.pen->length, 1, 16); },
-        scene_.pen->material);
-  }
-  auto bodies = bakery.bodies();
-  if (!bodies) return tl::unexpected(bodies.error());
-  sound::SynthesizerOptions options;
-  options.sample_rate = scene_.sound.sample_rate;
-  options.seed = static_cast<std::uint64_t>(scene_.seed);
-  options.micro_level *= scene_.sound.micro;
-  options.meso = scene_.surface.representation == Representation::normal ? sound::MesoSource::normal_map
-                                                                         : sound::MesoSource::engine_impulses;
-  synthesizer_ = std::make_unique<sound::Synthesizer>(options, std::move(*bodies));
+  auto voices = bake_voices(scene_, {surface_, floor_material_, 0, {}, grounds_});
+  if (!voices) return tl::unexpected(voices.error());
+  recording_.voices = std::move(voices->voices);
+  synthesizer_ = std::make_unique<sound::Synthesizer>(synthesizer_options(scene_), std::move(voices->bodies));
   recording_.bake_s = static_cast<double>(process_cpu_ns() - start) * 1e-9;
   return {};
 }
@@ -271,7 +124,10 @@ Snapshot Simulation::advance_to_frame(std::int64_t index) {
   run_until(clock_.due(index, scene_.video.fps));
   Snapshot snapshot;
   snapshot.time = clock_.seconds(clock_.due(index, scene_.video.fps));
-  for (const BallTrack& ball : recording_.balls) snapshot.balls.push_back(world_.drawn_pose(ball.body));
+  for (const BallTrack& ball : recording_.balls)
+    snapshot.balls.push_back(world_.world().drawn_pose(ball.body));
+  for (std::size_t k = 0; k < scene_.bodies.size(); ++k)
+    snapshot.bodies.push_back(world_.world().drawn_pose(world_.body(k)));
   if (!recording_.servo.empty()) snapshot.pen_tip = recording_.servo.back().proxy;
   return snapshot;
 }
@@ -286,7 +142,7 @@ void Simulation::finish() {
   audio.add(std::span<const float>(recording_.audio));
   recording_.audio_hash = audio.value();
   recording_.event_hash = event_hash_.value();
-  recording_.momentum_residual = world_.momentum_residual();
+  recording_.momentum_residual = world_.world().momentum_residual();
   recording_.surface_bytes = surface_->memory_bytes();
   recording_.costs = {
       physics_cost_.summary(
@@ -314,23 +170,25 @@ void Simulation::step_physics() {
     // What the pen has pushed since the last step.
     for (std::size_t k = 0; k < pushed_.size(); ++k) {
       const Vec3& sum = servo_->report().ball_impulse[k];
-      if (sum != pushed_[k]) world_.push(recording_.balls[k].body, sum - pushed_[k]);
+      if (sum != pushed_[k]) world_.world().push(recording_.balls[k].body, sum - pushed_[k]);
       pushed_[k] = sum;
     }
   }
   physics_cost_.measure([&] { world_.step(); });
   ++physics_done_;
-  for (const ContactEvent& event : world_.events()) record(event);
-  for (BallTrack& ball : recording_.balls) ball.position.push_back(world_.drawn_pose(ball.body).position);
+  for (const ContactEvent& event : world_.world().events()) record(event);
+  for (BallTrack& ball : recording_.balls)
+    ball.position.push_back(world_.world().drawn_pose(ball.body).position);
 }
 
 haptics::SceneSnapshot Simulation::scene_snapshot() const {
   haptics::SceneSnapshot scene;
-  scene.time = world_.time();
+  scene.time = world_.world().time();
   scene.ball_count = pushed_.size();
   for (std::size_t k = 0; k < pushed_.size(); ++k) {
     const BallTrack& ball = recording_.balls[k];
-    scene.balls[k] = {world_.pose(ball.body).position, world_.velocity(ball.body), ball.radius};
+    scene.balls[k] = {world_.world().pose(ball.body).position, world_.world().velocity(ball.body),
+                      ball.radius};
   }
   return scene;
 }

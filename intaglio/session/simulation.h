@@ -14,19 +14,11 @@
 #include "intaglio/core/hash.h"
 #include "intaglio/session/cost.h"
 #include "intaglio/session/recording.h"
-#include "intaglio/session/scene.h"
+#include "intaglio/session/scene_world.h"
+#include "intaglio/session/voices.h"
 #include "intaglio/sound/synthesizer.h"
 
 namespace intaglio::session {
-
-// The scene's texture on its rectangle, and what it is made of.
-struct SceneSurface {
-  std::shared_ptr<const surface::Surface> surface;
-  Material material;
-  double roughness = 0.55;         // for the renderer, 0..1
-  std::vector<std::string> notes;  // what import found, a line each
-};
-Result<SceneSurface> make_surface(const Scene& scene);
 
 // How the scene's pen is felt on a floor of that material. The scene has a pen.
 haptics::ServoOptions pen_options(const Scene& scene, const Material& floor);
@@ -34,7 +26,7 @@ haptics::ServoOptions pen_options(const Scene& scene, const Material& floor);
 // Where everything is, for one picture.
 struct Snapshot {
   double time = 0;
-  std::vector<Pose> balls;
+  std::vector<Pose> balls, bodies;
   std::optional<Vec3> pen_tip;
 };
 
@@ -53,10 +45,7 @@ class Simulation {
  private:
   Simulation(const Scene& scene, const SceneSurface& surface);
 
-  class Bakery;
-
   Result<void> bake();
-  void bake_floor(Bakery& bakery) const;
   void run_until(Ticks end);
   void step_physics();
   void step_servo();
@@ -69,8 +58,9 @@ class Simulation {
   Scene scene_;
   std::shared_ptr<const surface::Surface> surface_;
   Material floor_material_;
+  std::vector<SceneSurface> grounds_;
   Clock clock_;
-  dynamics::World world_;
+  SceneWorld world_;
   std::optional<haptics::SimulatedDevice> device_;
   std::optional<haptics::PenServo> servo_;
   std::unique_ptr<sound::Synthesizer> synthesizer_;

@@ -49,27 +49,39 @@ const ContactEvent& ContactStep::nearest_point(const Vec2& uv) const {
   return *std::min_element(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count), less);
 }
 
-ContactPair::ContactPair(Ensemble& ensemble, int body, int other, const SynthesizerOptions& options)
-    : ensemble_(ensemble),
-      options_(options),
-      sides_{{{body, 1.0, {}, {}}, {other, -1.0, {}, {}}}},
-      micro_(ensemble.rougher(body, other)),
-      random_(options.seed ^ (std::uint64_t{ensemble.body(body).id} << 32 | ensemble.body(other).id)),
-      force_(options.dead_band) {
-  const SoundBody &a = ensemble.body(body), &b = ensemble.body(other);
-  const Material &of_a = ensemble.material(body), &of_b = ensemble.material(other);
+ContactPair::ContactPair(Ensemble& ensemble, const SynthesizerOptions& options)
+    : ensemble_(ensemble), options_(options), force_(options.dead_band) {
+  for (Side& side : sides_) {
+    side.blow_room.resize(static_cast<std::size_t>(ensemble.most_modes()));
+    side.normal_room.resize(side.blow_room.size());
+  }
+}
+
+void ContactPair::meet(int body, int other) {
+  const SoundBody &a = ensemble_.body(body), &b = ensemble_.body(other);
+  const Material &of_a = ensemble_.material(body), &of_b = ensemble_.material(other);
+  micro_ = &ensemble_.rougher(body, other);
+  random_ = Random(options_.seed ^ (std::uint64_t{a.id} << 32 | b.id));
+  force_ = ContactForce(options_.dead_band);
+  step_ = last_step_ = ContactStep{};
+  is_touching_ = false;
+  sliding_ = Sliding{};
   const double inverse = inverse_mass(a) + inverse_mass(b);
   mass_ = inverse > 0 ? 1 / inverse : 1;
   radius_ = 1 / (1 / a.radius_of_curvature + 1 / b.radius_of_curvature);
   if (!std::isfinite(radius_)) radius_ = radius_of_flat_pair;
   modulus_ = effective_modulus(of_a, of_b);
   rebound_ = 1 + of_a.restitution * of_b.restitution;
-  micro_level_ = micro_level(of_a.micro, of_b.micro, options.micro_level);
+  micro_level_ = micro_level(of_a.micro, of_b.micro, options_.micro_level);
   // Pairs that share a table do not sound in step.
   distance_ = random_.uniform() * micro_->period();
+  sides_[0].body = body;
+  sides_[1].body = other;
+  sides_[1].sign = -1;
   for (Side& side : sides_) {
-    side.blow_gains.resize(std::size_t(ensemble.padded_modes(side.body)));
-    side.normal_gains.resize(side.blow_gains.size());
+    const auto modes = static_cast<std::size_t>(ensemble_.padded_modes(side.body));
+    side.blow_gains = std::span(side.blow_room).first(modes);
+    side.normal_gains = std::span(side.normal_room).first(modes);
   }
 }
 
@@ -118,7 +130,7 @@ void ContactPair::part(double now) {
 
 // The gains of both bodies for a push along `direction` that is shared by the points of the step as its
 // impulse is.
-void ContactPair::find_gains(const Vec3& direction, std::vector<float> Side::*gains) {
+void ContactPair::find_gains(const Vec3& direction, std::span<float> Side::*gains) {
   for (Side& side : sides_) {
     std::fill((side.*gains).begin(), (side.*gains).end(), 0.0f);
     for (std::size_t i = 0; i < step_.count; ++i) {

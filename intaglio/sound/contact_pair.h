@@ -7,7 +7,7 @@
 
 #include <array>
 #include <cstdint>
-#include <memory>
+#include <span>
 #include <vector>
 
 #include "intaglio/core/event.h"
@@ -41,11 +41,17 @@ struct ContactStep {
 
 class ContactPair {
  public:
-  ContactPair(Ensemble& ensemble, int body, int other, const SynthesizerOptions& options);
+  // A place for a pair; meet() makes it one.
+  ContactPair(Ensemble& ensemble, const SynthesizerOptions& options);
+
+  // From now on the place is of these two: indices of the ensemble's bodies.
+  void meet(int body, int other);
 
   int body() const { return sides_[0].body; }
   int other() const { return sides_[1].body; }
-  bool is_touching() const { return is_touching_; }
+  bool is_touching() const { return is_touching_ || step_.duration > 0; }
+  // Of the last step, s; before the first none.
+  double last_time() const { return last_step_.time; }
 
   // Takes one more event of the step being gathered. When it belongs to a later step, that one is finished
   // first.
@@ -62,9 +68,10 @@ class ContactPair {
  private:
   // One of the two bodies: `body` feels the impulses as they are reported, `other` their opposite.
   struct Side {
-    int body;
-    double sign;
-    std::vector<float> blow_gains, normal_gains;
+    int body = -1;
+    double sign = 1;
+    std::vector<float> blow_room, normal_room;      // for the body with most modes
+    std::span<float> blow_gains{}, normal_gains{};  // of this one
   };
   // Micro sound through one step: normal force and speed go linearly from one end to the other.
   struct Sliding {
@@ -73,7 +80,7 @@ class ContactPair {
     double speed_from = 0, speed_to = 0;  // m/s
   };
 
-  void find_gains(const Vec3& direction, std::vector<float> Side::*gains);
+  void find_gains(const Vec3& direction, std::span<float> Side::*gains);
   HalfSine shape_of(double impulse, double start) const;
   void blow(const Vec3& impulse, double start);
   void follow_path(double now);
@@ -82,10 +89,11 @@ class ContactPair {
   Ensemble& ensemble_;
   SynthesizerOptions options_;
   std::array<Side, 2> sides_;
-  double mass_, radius_, modulus_, rebound_;  // effective, of Hertz contact; rebound is 1 + restitution
-  double micro_level_;                        // noise force per normal force
-  std::shared_ptr<const MicroNoise> micro_;   // of the rougher body
-  Random random_;
+  // Effective, of Hertz contact; rebound is 1 + restitution.
+  double mass_ = 1, radius_ = 1, modulus_ = 1, rebound_ = 1;
+  double micro_level_ = 0;             // noise force per normal force
+  const MicroNoise* micro_ = nullptr;  // of the rougher body
+  Random random_{0};
   ContactForce force_;
 
   ContactStep step_;       // being gathered

@@ -20,6 +20,7 @@ double slope(const MicroRoughness& micro) {
 Ensemble::Member::Member(SoundBody b, const SynthesizerOptions& options)
     : body(std::move(b)),
       pose(body.rest_pose),
+      source(body.rest_pose.position),
       micro(std::make_shared<MicroNoise>(material_of(body).micro, options.seed)) {
   if (body.model) bank.emplace_back(*body.model, options.sample_rate);
 }
@@ -44,8 +45,8 @@ const Material& Ensemble::material(int i) const {
   return material_of(body(i));
 }
 
-std::shared_ptr<const MicroNoise> Ensemble::rougher(int i, int j) const {
-  return bodies_[std::size_t(slope(material(i).micro) >= slope(material(j).micro) ? i : j)].micro;
+const MicroNoise& Ensemble::rougher(int i, int j) const {
+  return *bodies_[std::size_t(slope(material(i).micro) >= slope(material(j).micro) ? i : j)].micro;
 }
 
 int Ensemble::most_modes() const {
@@ -80,23 +81,58 @@ void Ensemble::strike(int i, std::span<const float> gains, const HalfSine& shape
   if (!row.empty()) std::copy(gains.begin(), gains.end(), row.begin());
 }
 
-void Ensemble::render(std::int64_t first, std::span<float> out) {
-  const double dt = 1 / sample_rate_;
+void Ensemble::touch(int i, const Vec3& point) {
+  Member& member = bodies_[std::size_t(i)];
+  if (member.body.is_fixed) member.source = point;
+}
+
+// Where everything is heard from is looked up each block_samples, and moves evenly from one to the next.
+void Ensemble::turn_heads(std::int64_t first) {
+  if (first % block_samples != 0) return;
+  for (Member& member : bodies_) {
+    member.ears_from = first == 0 ? ear_gains(listener_, member.source) : member.ears_to;
+    member.ears_to = ear_gains(listener_, member.body.is_fixed ? member.source : member.pose.position);
+  }
+}
+
+void Ensemble::mix(const Member& member, std::int64_t first, std::span<const float> pascals,
+                   std::span<float> out) const {
+  if (out.size() == pascals.size()) {
+    for (std::size_t k = 0; k < pascals.size(); ++k) out[k] += pascals[k];
+    return;
+  }
+  const EarGains &from = member.ears_from, &to = member.ears_to;
+  for (std::size_t k = 0; k < pascals.size(); ++k) {
+    const float t = static_cast<float>(first % block_samples + static_cast<std::int64_t>(k)) / block_samples;
+    out[2 * k] += (from.left + t * (to.left - from.left)) * pascals[k];
+    out[2 * k + 1] += (from.right + t * (to.right - from.right)) * pascals[k];
+  }
+}
+
+void Ensemble::render(std::int64_t first, std::size_t samples, std::span<float> out) {
+  turn_heads(first);
+  const double dt = 1 / sample_rate_,
+               end = static_cast<double>(first + static_cast<std::int64_t>(samples)) * dt;
   const double time = static_cast<double>(first) * dt;
   for (int i = 0; i < pulses_.size(); ++i) {
     const Pulse& pulse = pulses_.pulse(i);
-    if (pulse.shape.start >= time + static_cast<double>(out.size()) * dt) continue;
-    const std::span<float> impulse = std::span(impulses_[std::size_t(i)]).first(out.size());
+    if (pulse.shape.start >= end) continue;
+    const std::span<float> impulse = std::span(impulses_[std::size_t(i)]).first(samples);
     pulse.shape.sample(time, dt, impulse);
     for (float& x : impulse) x *= static_cast<float>(pulse.impulse);
     Member& member = bodies_[std::size_t(pulse.body)];
     member.drives.push_back({pulses_.gains(i).first(std::size_t(member.padded_modes())), impulse, 0});
   }
   for (Member& member : bodies_) {
-    if (!member.bank.empty()) member.bank[0].process(member.drives, out);
+    if (!member.bank.empty() && !(member.drives.empty() && member.bank[0].is_silent())) {
+      std::array<float, block_samples> room{};
+      const std::span<float> pascals = std::span(room).first(samples);
+      member.bank[0].process(member.drives, pascals);
+      mix(member, first, pascals, out);
+    }
     member.drives.clear();
   }
-  pulses_.remove_ended(time + static_cast<double>(out.size()) * dt);
+  pulses_.remove_ended(end);
 }
 
 void Ensemble::sleep_when_silent() {

@@ -25,11 +25,15 @@ class Ensemble {
   // Of the model, or the default one.
   const Material& material(int i) const;
   // The noise of the rougher of two bodies: the one with the greater rms slope.
-  std::shared_ptr<const MicroNoise> rougher(int i, int j) const;
+  const MicroNoise& rougher(int i, int j) const;
   // -1 when no body has that id.
   int find(BodyId id) const;
   void move(int i, const Pose& pose) { bodies_[std::size_t(i)].pose = pose; }
+  // Body i has been touched there: where a fixed one sounds from.
+  void touch(int i, const Vec3& point);
+  void set_listener(const Listener& listener) { listener_ = listener; }
   int padded_modes(int i) const { return bodies_[std::size_t(i)].padded_modes(); }
+  int most_modes() const;
 
   // Adds `weight` times the gains of body i for a push along `direction` at `point` (both world) to `out`, of
   // padded_modes(i).
@@ -41,8 +45,9 @@ class Ensemble {
   // Room for that many sustained drives a block.
   void reserve_drives(std::size_t count);
 
-  // Adds the samples from number `first` on to `out`, at most block_samples.
-  void render(std::int64_t first, std::span<float> out);
+  // Adds `samples` samples, at most block_samples and not beyond the next multiple of it, from number `first`
+  // on to `out`: as long, or twice that when it has both ears.
+  void render(std::int64_t first, std::size_t samples, std::span<float> out);
   void sleep_when_silent();
   bool is_silent() const;
   std::uint64_t dropped_pulses() const { return pulses_.dropped(); }
@@ -54,14 +59,19 @@ class Ensemble {
 
     SoundBody body;
     Pose pose;
+    Vec3 source;                  // where it sounds from
+    EarGains ears_from, ears_to;  // at the ends of these block_samples
     std::vector<ModalBank> bank;  // one, or none for a body that makes no sound
     std::vector<Drive> drives;    // of the coming block
     std::shared_ptr<const MicroNoise> micro;
   };
   static std::vector<Member> members(std::vector<SoundBody> bodies, const SynthesizerOptions& options);
-  int most_modes() const;
+  void turn_heads(std::int64_t first);
+  void mix(const Member& member, std::int64_t first, std::span<const float> pascals,
+           std::span<float> out) const;
 
   double sample_rate_;
+  Listener listener_;
   std::vector<Member> bodies_;
   PulsePool pulses_;
   std::vector<float> scratch_;                              // gains of one push

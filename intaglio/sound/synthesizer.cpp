@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 
 #include "intaglio/sound/contact_pair.h"
 #include "intaglio/sound/ensemble.h"
@@ -25,10 +24,11 @@ class EventQueue {
   EventQueue() { events_.reserve(reserved_events); }
 
   bool empty() const { return first_ == events_.size(); }
+  bool has_room() const { return events_.size() < events_.capacity() || 2 * first_ >= events_.size(); }
   const ContactEvent& front() const { return events_[first_]; }
   void pop() { ++first_; }
   void push(const ContactEvent& event) {
-    if (events_.size() == events_.capacity() && 2 * first_ >= events_.size()) {
+    if (events_.size() == events_.capacity() && has_room()) {
       events_.erase(events_.begin(), events_.begin() + static_cast<std::ptrdiff_t>(first_));
       first_ = 0;
     }
@@ -48,10 +48,19 @@ class EventQueue {
 class Synthesizer::Engine {
  public:
   Engine(const SynthesizerOptions& options, std::vector<SoundBody> bodies)
-      : options_(options), ensemble_(std::move(bodies), options) {}
+      : options_(options), ensemble_(std::move(bodies), options) {
+    const auto most = static_cast<std::size_t>(ensemble_.size()) * static_cast<std::size_t>(ensemble_.size());
+    const std::size_t count = std::min(most, static_cast<std::size_t>(options.max_pairs));
+    pairs_.reserve(count);
+    for (std::size_t k = 0; k < count; ++k) pairs_.emplace_back(ensemble_, options);
+    ensemble_.reserve_drives(count);
+  }
 
   void push(const ContactEvent& event);
-  void render(std::span<float> out);
+  bool has_room() const { return events_.has_room(); }
+  void render(std::span<float> out, std::size_t channels);
+  void set_listener(const Listener& listener) { ensemble_.set_listener(listener); }
+  double sample_rate() const { return options_.sample_rate; }
   double time() const { return static_cast<double>(sample_) / options_.sample_rate; }
   bool is_silent() const;
   SynthesizerStatus status() const;
@@ -61,24 +70,29 @@ class Synthesizer::Engine {
 
   Sample sample_at(double time) const { return static_cast<Sample>(std::floor(time * options_.sample_rate)); }
 
-  ContactPair* find_pair(const ContactEvent& event);
+  ContactPair* pair_of(const ContactEvent& event);
   void take_due_events();
   Sample next_change() const;
 
   SynthesizerOptions options_;
   Ensemble ensemble_;
-  std::deque<ContactPair> pairs_;  // a deque, for addresses that stay
+  std::vector<ContactPair> pairs_;  // all there will ever be
   EventQueue events_;
   SynthesizerStatus status_;
   Sample sample_ = 0;  // the next one
 };
 
-ContactPair* Synthesizer::Engine::find_pair(const ContactEvent& event) {
+// The pair that the event is of; one that has not met before takes a place that is free, or that of the pair
+// that has been apart for longest. None when all touch.
+ContactPair* Synthesizer::Engine::pair_of(const ContactEvent& event) {
+  const int body = ensemble_.find(event.body), other = ensemble_.find(event.other);
+  ContactPair* free = nullptr;
   for (ContactPair& pair : pairs_) {
-    if (ensemble_.body(pair.body()).id == event.body && ensemble_.body(pair.other()).id == event.other)
-      return &pair;
+    if (pair.body() == body && pair.other() == other) return &pair;
+    if (!pair.is_touching() && (!free || pair.last_time() < free->last_time())) free = &pair;
   }
-  return nullptr;
+  if (free) free->meet(body, other);
+  return free;
 }
 
 void Synthesizer::Engine::push(const ContactEvent& event) {
@@ -86,10 +100,6 @@ void Synthesizer::Engine::push(const ContactEvent& event) {
   if (body < 0 || other < 0) {
     ++status_.unknown_bodies;
     return;
-  }
-  if (!find_pair(event)) {
-    pairs_.emplace_back(ensemble_, body, other, options_);
-    ensemble_.reserve_drives(pairs_.size());
   }
   if (sample_at(start_of(event)) + 1 < sample_) ++status_.late_events;
   events_.push(event);
@@ -100,9 +110,13 @@ void Synthesizer::Engine::take_due_events() {
   const double now = time();
   while (!events_.empty() && sample_at(start_of(events_.front())) <= sample_) {
     const ContactEvent& event = events_.front();
-    ContactPair& pair = *find_pair(event);
-    ensemble_.move(pair.body(), event.body_pose);
-    pair.add(event, now);
+    if (ContactPair* const pair = pair_of(event)) {
+      ensemble_.move(pair->body(), event.body_pose);
+      ensemble_.touch(pair->other(), event.point);
+      pair->add(event, now);
+    } else {
+      ++status_.dropped_pairs;
+    }
     events_.pop();
   }
   for (ContactPair& pair : pairs_) pair.finish_step(now);
@@ -116,18 +130,18 @@ Synthesizer::Engine::Sample Synthesizer::Engine::next_change() const {
   return next;
 }
 
-void Synthesizer::Engine::render(std::span<float> out) {
+void Synthesizer::Engine::render(std::span<float> out, std::size_t channels) {
   std::fill(out.begin(), out.end(), 0.0f);
   while (!out.empty()) {
     take_due_events();
-    const auto length = std::min(out.size(), static_cast<std::size_t>(next_change() - sample_));
+    const auto length = std::min(out.size() / channels, static_cast<std::size_t>(next_change() - sample_));
     for (ContactPair& pair : pairs_) {
       if (pair.is_touching()) pair.drive(sample_, length);
     }
-    ensemble_.render(sample_, out.first(length));
+    ensemble_.render(sample_, length, out.first(channels * length));
     sample_ += static_cast<Sample>(length);
     if (sample_ % block_samples == 0) ensemble_.sleep_when_silent();
-    out = out.subspan(length);
+    out = out.subspan(channels * length);
   }
 }
 
@@ -151,8 +165,20 @@ Synthesizer::~Synthesizer() = default;
 void Synthesizer::push(const ContactEvent& event) {
   engine_->push(event);
 }
+bool Synthesizer::has_room() const {
+  return engine_->has_room();
+}
 void Synthesizer::render(std::span<float> out) {
-  engine_->render(out);
+  engine_->render(out, 1);
+}
+void Synthesizer::render_stereo(std::span<float> out) {
+  engine_->render(out, 2);
+}
+void Synthesizer::set_listener(const Listener& listener) {
+  engine_->set_listener(listener);
+}
+double Synthesizer::sample_rate() const {
+  return engine_->sample_rate();
 }
 double Synthesizer::time() const {
   return engine_->time();

@@ -16,8 +16,9 @@
 // The output depends on events and seed alone, not on how render() calls are cut.
 //
 // One thread. render() neither allocates, locks nor throws: at most `max_pulses` blows sound at once (then
-// the smallest is dropped and counted), at most 8 points of a step are told apart, at most 256 texel
-// crossings a step. push() allocates when a pair first meets, or when more than 4,096 events wait.
+// the smallest is dropped and counted), at most `max_pairs` pairs touch at once (then a new one is dropped
+// and counted), at most 8 points of a step are told apart, at most 256 texel crossings a step. push()
+// allocates only while has_room() is false: when more than 4,096 events wait.
 #pragma once
 
 #include <cstdint>
@@ -27,6 +28,7 @@
 #include <vector>
 
 #include "intaglio/core/event.h"
+#include "intaglio/sound/listener.h"
 #include "intaglio/sound/modal_model.h"
 #include "intaglio/surface/surface.h"
 
@@ -41,6 +43,7 @@ struct SynthesizerOptions {
   double micro_level = 1;   // noise force per normal force and unit of rms slope; 0 switches it off
   double dead_band = 1e-3;  // of the lasting impulse; smaller changes are the solver's noise
   int max_pulses = 1024;
+  int max_pairs = 256;
 };
 
 struct SoundBody {
@@ -59,6 +62,7 @@ struct SynthesizerStatus {
   std::uint64_t truncated_paths = 0;  // steps with more than 256 texel crossings
   std::uint64_t late_events = 0;      // pushed after their step had been rendered
   std::uint64_t unknown_bodies = 0;   // events that name a body not listed, ignored
+  std::uint64_t dropped_pairs = 0;    // events of pairs for which there was no room: raise max_pairs
 };
 
 class Synthesizer {
@@ -69,10 +73,17 @@ class Synthesizer {
   ~Synthesizer();
 
   void push(const ContactEvent& event);
+  bool has_room() const;
   // The next out.size() samples, Pa at 1 m.
   void render(std::span<float> out);
+  // The same at the listener's ears, interleaved left and right: out.size() / 2 samples. A body sounds from
+  // where it is, a fixed one from where it was last touched.
+  void render_stereo(std::span<float> out);
+  // From the next sample on; a move is smoothed over 64 samples.
+  void set_listener(const Listener& listener);
   // Of the next sample, s.
   double time() const;
+  double sample_rate() const;
 
   bool is_silent() const;  // nothing rings and nothing is about to
   SynthesizerStatus status() const;

@@ -1,0 +1,25 @@
+// Parts of the scene reader: balls and bodies, and the ranges that tables share. Internal to session/.
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "intaglio/core/toml_reader.h"
+#include "intaglio/session/scene.h"
+
+namespace intaglio::session {
+
+inline Range positive(const char* says, double high = std::numeric_limits<double>::max()) {
+  return {0, high, true, says};
+}
+inline Range at_least_zero(const char* says, double high = std::numeric_limits<double>::max()) {
+  return {0, high, false, says};
+}
+
+void read_direction(TomlReader& r, const char* key, Vec3& direction);
+
+// Each adds what the table says; `floor` is the frame of those that ask for it.
+void read_ball(TomlReader& r, const SurfaceScene& floor, std::vector<BallScene>& balls);
+void read_body(TomlReader& r, const SurfaceScene& floor, std::vector<BodyScene>& bodies);
+
+}  // namespace intaglio::session

@@ -1,0 +1,200 @@
+#include "intaglio/session/voices.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <numbers>
+
+#include "intaglio/core/hash.h"
+#include "intaglio/sound/fem/shapes.h"
+#include "intaglio/sound/model_file.h"
+
+namespace intaglio::session {
+
+namespace {
+
+// Models of one scene, each baked once: twenty equal balls share one.
+class Bakery {
+ public:
+  Bakery(const std::string& scene, int modes, const VoiceOptions& options)
+      : scene_(scene), options_(options) {
+    bake_.modes.count = modes;
+  }
+
+  // Adds a ringing body of that mesh. `shape` names the mesh: equal names and materials are the same model.
+  void add(sound::SoundBody body, const std::string& name, const std::string& shape,
+           const std::function<sound::TetMesh()>& mesh, const Material& material) {
+    if (error_) return;
+    const std::string key = fmt::format("1 {} {} {} {} {} {} {} {}", shape, material.name, material.density,
+                                        material.youngs_modulus, material.poisson_ratio,
+                                        material.rayleigh_alpha, material.rayleigh_beta, bake_.modes.count);
+    auto& model = models_[key];
+    if (!model) model = made(key, name, mesh, material);
+    if (!model) return;
+    Voice voice{body.id, name, material.name, {}, {}};
+    for (const double omega : model->angular_frequency)
+      voice.frequencies.push_back(omega / (2 * std::numbers::pi));
+    for (const double damping : model->damping) voice.t60.push_back(std::log(1000.0) / damping);
+    voices_.voices.push_back(std::move(voice));
+    body.mass = model->mass;
+    body.model = model;
+    voices_.bodies.push_back(std::move(body));
+  }
+  Result<Voices> voices() {
+    if (error_) return tl::unexpected(*error_);
+    return std::move(voices_);
+  }
+
+ private:
+  using Model = std::shared_ptr<const sound::ModalModel>;
+
+  Model made(const std::string& key, const std::string& name, const std::function<sound::TetMesh()>& mesh,
+             const Material& material) {
+    Hash hash;
+    for (const char c : key) hash.add(static_cast<std::uint8_t>(c));
+    const auto file = options_.cache / fmt::format("{:016x}.modes", hash.value());
+    if (!options_.cache.empty()) {
+      // One that cannot be read is baked again.
+      std::error_code ignored;
+      if (std::filesystem::exists(file, ignored))
+        if (auto read = sound::read_model(file))
+          return std::make_shared<const sound::ModalModel>(std::move(*read));
+    }
+    if (options_.stopped != nullptr && options_.stopped->load()) {
+      error_ = Error{scene_, "modal analysis was stopped", ""};
+      return nullptr;
+    }
+    auto baked = sound::bake(mesh(), material, bake_);
+    if (!baked) {
+      error_ = Error{scene_,
+                     fmt::format("modal analysis of the {} failed: {}", name, baked.error().message()), ""};
+      return nullptr;
+    }
+    ++voices_.baked;
+    // A cache that cannot be written costs time, nothing else.
+    if (!options_.cache.empty() && baked->modes() > 0) (void)sound::write_model(file, *baked);
+    return std::make_shared<const sound::ModalModel>(std::move(*baked));
+  }
+
+  std::string scene_;
+  VoiceOptions options_;
+  sound::BakeOptions bake_;
+  std::map<std::string, Model> models_;
+  Voices voices_;
+  std::optional<Error> error_;
+};
+
+// A box's elements: `cells` along its longest side, one through what is thin.
+sound::TetMesh box_mesh(const Vec3& size, int cells) {
+  const auto along = [&](double side) {
+    const int n = static_cast<int>(std::lround(cells * side / size.maxCoeff()));
+    return std::clamp(n, side > 0.15 * size.maxCoeff() ? 2 : 1, cells);
+  };
+  return sound::box(size, along(size.x()), along(size.y()), along(size.z()));
+}
+
+void add_slab(Bakery& bakery, BodyId id, const std::string& name, const SurfaceScene& slab,
+              const SceneSurface& made) {
+  // The slab hangs below the base plane; its modal model is a box about its middle, Y up.
+  sound::SoundBody body;
+  body.id = id;
+  body.is_fixed = true;
+  body.surface = made.surface;
+  body.rest_pose = {
+      made.surface->placement().to_world({slab.size.x() / 2, slab.size.y() / 2, -slab.thickness / 2}),
+      rotation_of(slab.rotation)};
+  constexpr int cells = 24;
+  const auto along = [&](double side) {
+    return std::clamp(static_cast<int>(std::lround(cells * side / slab.size.maxCoeff())), 2, cells);
+  };
+  const auto mesh = [&] {
+    return sound::box({slab.size.x(), slab.thickness, slab.size.y()}, along(slab.size.x()), 1,
+                      along(slab.size.y()));
+  };
+  bakery.add(body, name, fmt::format("slab {} {} {}", slab.size.x(), slab.thickness, slab.size.y()), mesh,
+             made.material);
+}
+
+// The box about a shape, and its name.
+struct Solid {
+  std::string name;
+  std::function<sound::TetMesh()> mesh;
+};
+Solid cylinder(double radius, double length) {
+  return {fmt::format("cylinder {} {}", radius, length), [=] {
+            const int layers = std::clamp(static_cast<int>(std::lround(length / radius)), 2, 16);
+            return sound::cylinder(radius, length, 2, layers);
+          }};
+}
+Solid solid_of(const contact::Shape& shape) {
+  if (const auto* s = std::get_if<contact::Sphere>(&shape))
+    return {fmt::format("ball {}", s->radius), [r = s->radius] { return sound::ball(r, 2); }};
+  if (const auto* s = std::get_if<contact::Cylinder>(&shape)) return cylinder(s->radius, 2 * s->half_height);
+  if (const auto* s = std::get_if<contact::Capsule>(&shape))
+    return cylinder(s->radius, 2 * (s->half_height + 0.6 * s->radius));
+  Vec3 half = Vec3::Constant(contact::bounding_radius(shape) / std::sqrt(3.0));
+  if (const auto* s = std::get_if<contact::Box>(&shape)) half = s->half;
+  if (const auto* s = std::get_if<contact::Compound>(&shape)) {
+    half.setZero();
+    for (const contact::CompoundChild& child : *s->children)
+      if (const auto* box = std::get_if<contact::Box>(&child.shape))
+        half = half.cwiseMax(child.pose.position.cwiseAbs() + box->half);
+  }
+  return {fmt::format("box {} {} {}", half.x(), half.y(), half.z()),
+          [half] { return box_mesh(2 * half, 8); }};
+}
+
+void add_bodies(Bakery& bakery, const Scene& scene) {
+  for (std::size_t k = 0; k < scene.balls.size(); ++k) {
+    const BallScene& ball = scene.balls[k];
+    sound::SoundBody body;
+    body.id = static_cast<BodyId>(k + 1);
+    body.radius_of_curvature = ball.radius;
+    const std::string name = scene.balls.size() == 1 ? "ball" : fmt::format("ball {}", k + 1);
+    bakery.add(
+        body, name, fmt::format("ball {}", ball.radius), [&] { return sound::ball(ball.radius, 2); },
+        ball.material);
+  }
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    const BodyScene& from = scene.bodies[k];
+    sound::SoundBody body;
+    body.id = static_cast<BodyId>(scene.balls.size() + k + 1);
+    body.is_fixed = from.body.motion != dynamics::Motion::free;
+    body.rest_pose = from.body.pose;
+    const Solid solid = solid_of(from.body.shape);
+    bakery.add(body, fmt::format("{} {}", from.name, k + 1), solid.name, solid.mesh, from.body.material);
+  }
+}
+
+}  // namespace
+
+Result<Voices> bake_voices(const Scene& scene, const SceneSurface& surface, const VoiceOptions& options) {
+  Bakery bakery(scene.name, scene.sound.modes, options);
+  add_slab(bakery, floor_body, "floor", scene.surface, surface);
+  for (std::size_t k = 0; k < surface.grounds.size(); ++k)
+    add_slab(bakery, static_cast<BodyId>(first_surface_body + k), fmt::format("ground {}", k + 1),
+             scene.grounds[k], surface.grounds[k]);
+  add_bodies(bakery, scene);
+  if (scene.pen) {
+    sound::SoundBody body;
+    body.id = static_cast<BodyId>(scene.balls.size() + scene.bodies.size() + 1);
+    body.radius_of_curvature = 0.001;  // a pen's tip, not its shaft
+    bakery.add(
+        body, "pen", fmt::format("pen {} {}", scene.pen->radius, scene.pen->length),
+        [&] { return sound::cylinder(scene.pen->radius, scene.pen->length, 1, 16); }, scene.pen->material);
+  }
+  return bakery.voices();
+}
+
+sound::SynthesizerOptions synthesizer_options(const Scene& scene) {
+  sound::SynthesizerOptions options;
+  options.sample_rate = scene.sound.sample_rate;
+  options.seed = static_cast<std::uint64_t>(scene.seed);
+  options.micro_level *= scene.sound.micro;
+  options.meso = scene.surface.representation == Representation::normal ? sound::MesoSource::normal_map
+                                                                        : sound::MesoSource::engine_impulses;
+  return options;
+}
+
+}  // namespace intaglio::session

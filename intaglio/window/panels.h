@@ -1,0 +1,39 @@
+// The panels of the window: what can be chosen, and what is measured. Dear ImGui, between PanelHost's begin()
+// and draw(). They change Settings and say what was asked for.
+#pragma once
+
+#include <deque>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "intaglio/session/live/live_session.h"
+#include "intaglio/sound/outputs/audio_device.h"
+#include "intaglio/window/settings.h"
+
+namespace intaglio::window {
+
+// What the panels show besides the session itself.
+struct PanelFacts {
+  std::string title, driver, gamepad, audio_device;
+  double frame_seconds = 0;  // smoothed
+  double picture_scale = 1;  // of the picture's sides to the window's
+  bool is_loading = false;
+  double recorded = -1;  // s; negative: not recording
+  sound::AudioStatus audio;
+  std::vector<float> force;          // N, the pen's, newest last
+  std::vector<float> scope;          // what is heard, -1..1, newest last
+  std::deque<std::string> messages;  // newest last
+};
+
+struct PanelActions {
+  bool reset = false, single = false, home = false, screenshot = false, record = false, rearm = false;
+};
+
+PanelActions draw_panels(Settings& settings, session::LiveSession* session, const PanelFacts& facts,
+                         double scale);
+
+// The last message and what goes on, along the lower edge; also with the panels away.
+void draw_status_line(const Settings& settings, const PanelFacts& facts);
+
+}  // namespace intaglio::window

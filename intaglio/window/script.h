@@ -1,0 +1,38 @@
+// A script that plays the user: events at times, pushed into SDL's own queue, so that what a test drives is
+// what a hand drives.
+//
+// One event a line: TIME VERB ARGUMENTS. Seconds since the first picture, ascending. # begins a comment.
+//
+//   key NAME         pressed and let go; SDL's names: Space, R, F9, Left
+//   hold NAME, release NAME
+//   move X Y         the mouse; parts of the window, 0..1, from its upper left corner
+//   down BUTTON, up BUTTON       left, middle or right
+//   wheel NOTCHES    forward is positive
+//   drop FILE        a file dropped onto the window
+//   resize W H       of the window, pixels
+//   set NAME VALUE   a control of the panels by name (docs/run.md)
+//   screenshot FILE
+//   quit
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "intaglio/core/error.h"
+
+namespace intaglio::window {
+
+enum class Verb { key, hold, release, move, down, up, wheel, drop, resize, set, screenshot, quit };
+
+struct ScriptEvent {
+  double time = 0;  // s
+  Verb verb = Verb::quit;
+  std::string text;     // a key, a button, a file, or what is set
+  double x = 0, y = 0;  // of move, wheel, resize, set
+  int line = 0;
+};
+
+// `name` stands for the file in errors, which carry the line.
+Result<std::vector<ScriptEvent>> parse_script(std::string_view text, const std::string& name);
+
+}  // namespace intaglio::window

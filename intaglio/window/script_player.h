@@ -1,0 +1,39 @@
+// Plays a script into SDL's event queue as time goes on. One thread (the window's).
+#pragma once
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "intaglio/window/script.h"
+#include "intaglio/window/sdl_window.h"
+#include "intaglio/window/settings.h"
+
+namespace intaglio::window {
+
+class ScriptPlayer {
+ public:
+  explicit ScriptPlayer(std::vector<ScriptEvent> events) : events_(std::move(events)) {}
+
+  // Pushes what is due, one event a call for those that pictures must see one by one. The clock starts with
+  // the first call.
+  void play(SdlWindow& window, Settings& settings, std::vector<std::string>& messages);
+  // A file to which a screenshot of this picture should go.
+  const std::string& screenshot() const { return screenshot_; }
+  void stop() { over_ = true; }
+  bool is_over() const { return over_; }
+
+ private:
+  void push(const ScriptEvent& event, SdlWindow& window, Settings& settings,
+            std::vector<std::string>& messages);
+
+  std::vector<ScriptEvent> events_;
+  std::size_t next_ = 0;
+  std::chrono::steady_clock::time_point start_;
+  bool started_ = false, over_ = false;
+  int x_ = 0, y_ = 0;
+  unsigned buttons_ = 0;
+  std::string screenshot_;
+};
+
+}  // namespace intaglio::window

@@ -1,0 +1,48 @@
+// A window with an OpenGL 3.3 core context, by SDL2. The context stays current in the thread that made it,
+// which is the only one to use it.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "intaglio/core/error.h"
+#include "intaglio/core/image.h"
+
+struct SDL_Window;
+
+namespace intaglio::window {
+
+struct WindowSize {
+  int width = 0, height = 0;                // of what is drawn, pixels
+  int window_width = 0, window_height = 0;  // in the units of mouse events
+  // How much larger than usual panels should be; 1 or more.
+  double scale = 1;
+};
+
+class SdlWindow {
+ public:
+  static Result<std::unique_ptr<SdlWindow>> create(const std::string& title, int width, int height);
+  ~SdlWindow();
+  SdlWindow(const SdlWindow&) = delete;
+  SdlWindow& operator=(const SdlWindow&) = delete;
+
+  WindowSize size() const;
+  void resize(int width, int height);
+  void set_title(const std::string& title);
+  void swap();
+  // What was drawn into the window since the last swap: RGB, row 0 at the top.
+  Image8 pixels() const;
+  // "x11, llvmpipe (LLVM 15.0.6, 256 bits), OpenGL 4.5": for reports.
+  std::string description() const;
+
+ private:
+  SdlWindow() = default;
+
+  SDL_Window* window_ = nullptr;
+  void* context_ = nullptr;
+};
+
+// An error of OpenGL since the last call, by name; empty when there was none.
+std::string gl_error();
+
+}  // namespace intaglio::window

@@ -1,0 +1,185 @@
+#include "intaglio/window/stage.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "intaglio/haptics/devices/vrpn/address.h"
+
+namespace intaglio::window {
+
+namespace {
+
+// Whether these settings need another session.
+bool differ(const Settings& a, const Settings& b) {
+  const auto key = [](const Settings& s) {
+    return std::tuple(s.representation, s.depth, s.stiffness, s.papers_method, s.material, s.moves, s.feels,
+                      s.hears);
+  };
+  return key(a) != key(b);
+}
+
+}  // namespace
+
+session::Scene with_settings(session::Scene scene, const Settings& settings) {
+  if (settings.representation >= 0)
+    scene.surface.representation = static_cast<Representation>(std::min(settings.representation, 2));
+  if (settings.depth >= 0) scene.surface.depth = settings.depth;
+  if (settings.papers_method) {
+    scene.physics.method = dynamics::ContactMethod::directional;
+    scene.physics.normal_method = dynamics::NormalMethod::literal;
+  }
+  if (!settings.material.empty()) scene.surface.material = *find_material(settings.material);
+  scene.pen = session::pen_for(scene);
+  if (settings.papers_method) scene.pen->method = haptics::HapticMethod::plane;
+  if (settings.stiffness >= 0) scene.pen->spring.stiffness = settings.stiffness;
+  return scene;
+}
+
+Result<std::string> Stage::open(const std::string& audio, const std::string& device) {
+  std::string note;
+  auto opened = sound::open_audio_device({audio, 44'100, 512});
+  if (!opened) return tl::unexpected(opened.error());
+  audio_ = std::move(opened->device);
+  note = opened->note;
+  if (auto started = audio_->start(tap_); !started) return tl::unexpected(started.error());
+  if (!device.empty()) {
+    const auto address = haptics::vrpn::parse_address(device);
+    if (!address) return tl::unexpected(address.error());
+    pen_ = std::make_unique<haptics::vrpn::VrpnDevice>(*address);
+    if (!pen_->wait_for_link(std::chrono::seconds(3))) {
+      const Error why = pen_->last_failure().error;
+      return fail(device, "the pen's device does not answer: " + why.message(),
+                  "start its VRPN server, or leave --device away to use the mouse");
+    }
+  }
+  return note;
+}
+
+Stage::~Stage() {
+  session_.reset();
+  if (audio_) audio_->stop();
+}
+
+void Stage::ask(const session::Scene& scene, const Settings& settings, bool goes_on) {
+  LoadRequest request;
+  request.scene = with_settings(scene, settings);
+  request.options = {settings.moves,
+                     settings.feels,
+                     settings.hears,
+                     cache_folder().empty() ? std::filesystem::path() : cache_folder() / "models",
+                     audio_ ? audio_->sample_rate() : 44'100,
+                     scene.sound.gain_db + settings.volume};
+  request.device = pen_.get();
+  request.goes_on = goes_on;
+  // The texture as it is, when nothing about it has changed.
+  if (goes_on && session_ != nullptr && asked_ && settings.depth == asked_->depth &&
+      settings.material == asked_->material &&
+      request.scene.surface.texture == session_->scene().surface.texture &&
+      (request.scene.surface.representation != Representation::relief ||
+       session_->surface().surface->has_depth()))
+    request.surface = session_->surface();
+  asked_ = settings;
+  asked_base_ = scene;
+  loader_.ask(std::move(request));
+}
+
+Result<void> Stage::drop(const std::filesystem::path& file, const Settings& settings) {
+  if (file.extension() == ".toml") {
+    auto scene = session::read_scene(file);
+    if (scene) {
+      scene_file_ = file;
+      ask(*scene, settings, false);
+      return {};
+    }
+    // Not a scene: perhaps a recipe of a texture.
+  }
+  session::Scene scene = base_;
+  scene.surface.texture = file.string();
+  scene.surface.depth.reset();
+  scene.surface.green.reset();
+  scene.surface.polarity.reset();
+  ask(scene, settings, false);
+  return {};
+}
+
+std::string Stage::keep_up(const Settings& settings, double now) {
+  if (asked_ && differ(settings, *asked_)) ask(asked_base_, settings, true);
+  if (!watch_.has_changed(now) || loader_.is_busy()) return "";
+  session::Scene scene = base_;
+  if (!scene_file_.empty()) {
+    auto read = session::read_scene(scene_file_);
+    if (!read) return read.error().message();
+    // A texture that was dropped stays.
+    if (base_.name != scene_file_.string() || read->surface.texture == base_.surface.texture) scene = *read;
+  }
+  ask(scene, settings, false);
+  return "";
+}
+
+bool Stage::poll(std::string& message) {
+  auto loaded = loader_.take();
+  if (!loaded) return false;
+  if (!loaded->session) {
+    message = loaded->error->message();
+    asked_base_ = base_;
+    return false;
+  }
+  if (session_) session_->stop();
+  if (session_ && loaded->request.goes_on) loaded->session->follow(*session_);
+  const bool is_other = !session_ || !loaded->request.goes_on;
+  base_ = asked_base_;
+  session_ = std::move(loaded->session);
+  picture_ = std::make_unique<session::ScenePicture>(session_->scene());
+  if (auto shown = show(); !shown) message = shown.error().message();
+  session_->start(&tap_, &baker_);
+  std::vector<std::filesystem::path> files;
+  if (!scene_file_.empty()) files.push_back(scene_file_);
+  std::error_code ignored;
+  if (std::filesystem::exists(base_.surface.texture, ignored)) files.emplace_back(base_.surface.texture);
+  watch_.watch(std::move(files));
+  if (message.empty() && is_other && !session_->surface().notes.empty())
+    message = session_->surface().notes.front();
+  return is_other;
+}
+
+Result<void> Stage::show() {
+  if (!renderer_) return {};
+  return renderer_->show(session::surface_parts(session_->scene(), session_->surface()));
+}
+
+Result<void> Stage::draw(const render::Camera& camera, const Settings& settings, int width, int height,
+                         double scale) {
+  const int wide = std::max(1, static_cast<int>(std::lround(width * scale)));
+  const int high = std::max(1, static_cast<int>(std::lround(height * scale)));
+  if (!renderer_ || samples_ != settings.samples) {
+    render::RendererOptions options;
+    options.context = render::Context::callers;
+    options.width = wide;
+    options.height = high;
+    options.supersample = std::clamp(settings.samples, 1, 4);
+    auto made = render::Renderer::create(*session_->surface().surface, options);
+    if (!made) return tl::unexpected(made.error());
+    renderer_ = std::move(*made);
+    samples_ = settings.samples;
+    picture_width_ = wide;
+    picture_height_ = high;
+    if (auto shown = show(); !shown) return shown;
+  }
+  if (wide != picture_width_ || high != picture_height_) {
+    if (auto resized = renderer_->resize(wide, high); !resized) return resized;
+    picture_width_ = wide;
+    picture_height_ = high;
+  }
+  const session::LiveState& state = session_->state();
+  const session::Scene& scene = session_->scene();
+  const std::size_t balls = std::min(scene.balls.size(), state.bodies);
+  const std::optional<Vec3> tip = settings.pen || pen_ ? std::optional<Vec3>(state.pen.proxy) : std::nullopt;
+  render::FrameScene frame =
+      picture_->frame({state.pose.data(), balls}, {state.pose.data() + balls, state.bodies - balls}, tip);
+  frame.camera = camera;
+  if (!settings.sees) frame.representation = Representation::flat;
+  renderer_->draw_to(frame, 0, width, height);
+  return {};
+}
+
+}  // namespace intaglio::window

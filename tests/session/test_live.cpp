@@ -1,0 +1,208 @@
+// The live session: what its threads do together. Times are generous: machines may be busy.
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "intaglio/session/letter.h"
+#include "intaglio/session/live/live_session.h"
+#include "intaglio/session/shape_mesh.h"
+#include "intaglio/sound/outputs/null_device.h"
+
+using namespace intaglio;
+using namespace intaglio::session;
+
+namespace {
+
+Scene parsed(const std::string& text) {
+  auto scene = parse_scene(text, "s.toml");
+  REQUIRE_MESSAGE(scene, (scene ? "" : scene.error().message()));
+  return *scene;
+}
+
+std::unique_ptr<LiveSession> live(const Scene& scene) {
+  const auto surface = make_surface(scene);
+  REQUIRE(surface);
+  auto session = LiveSession::create(scene, *surface, {});
+  REQUIRE(session);
+  return std::move(*session);
+}
+
+// Waits, for at most ten seconds, until the state is as wanted.
+template <class Wanted>
+bool wait_for(LiveSession& session, Wanted&& wanted) {
+  for (int k = 0; k < 2000; ++k) {
+    if (wanted(session.state())) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return false;
+}
+
+const std::string drop =
+    "[surface]\nrepresentation = \"flat\"\n[[ball]]\nradius = 0.05\nposition = [0.1, 0.4, 0.0]\n";
+
+}  // namespace
+
+TEST_CASE("a live ball falls and rests; paused it stays, steps one by one, and starts again when reset") {
+  const auto session = live(parsed(drop));
+  session->start(nullptr, nullptr);
+  CHECK(wait_for(*session, [](const LiveState& s) { return s.time > 1.5 && s.marks > 0; }));
+  CHECK(session->state().pose[0].position.y() == doctest::Approx(0.05).epsilon(0.05));
+  Controls controls;
+  controls.paused = true;
+  session->control(controls);
+  std::this_thread::sleep_for(std::chrono::milliseconds(60));
+  const std::uint64_t steps = session->state().steps;
+  std::this_thread::sleep_for(std::chrono::milliseconds(60));
+  CHECK(session->state().steps == steps);
+  controls.single = 3;
+  session->control(controls);
+  CHECK(wait_for(*session, [&](const LiveState& s) { return s.steps == steps + 3; }));
+  controls.resets = 1;
+  session->control(controls);
+  CHECK(wait_for(*session, [](const LiveState& s) { return s.pose[0].position.y() > 0.39; }));
+  session->stop();
+}
+
+TEST_CASE("a dragged ball hangs where it is pulled to, and a session that follows has it there") {
+  const Scene scene = parsed(drop);
+  const auto session = live(scene);
+  session->start(nullptr, nullptr);
+  Controls controls;
+  controls.dragged = 1;
+  controls.pull_to = {-0.1, 0.3, 0.2};
+  session->control(controls);
+  CHECK(wait_for(*session, [&](const LiveState& s) {
+    // Its weight stretches the spring by g / omega^2.
+    return s.time > 0.5 && (s.pose[0].position - controls.pull_to).norm() < 0.03;
+  }));
+  session->stop();
+  const Vec3 was = session->state().pose[0].position;
+  const auto next = live(scene);
+  next->follow(*session);
+  next->start(nullptr, nullptr);
+  controls = {};
+  controls.paused = true;
+  next->control(controls);
+  CHECK(wait_for(*next, [&](const LiveState& s) { return (s.pose[0].position - was).norm() < 0.1; }));
+}
+
+TEST_CASE("the mouse's pen comes down, touches, pushes back, and lets go") {
+  const auto session = live(parsed("[surface]\nrepresentation = \"flat\"\n"));
+  session->start(nullptr, nullptr);
+  session->lead_pen({0.1, -0.02, 0.1});
+  CHECK(wait_for(*session, [](const LiveState& s) { return s.pen.touching && s.pen.force.y() > 0.05; }));
+  CHECK(session->state().pen.proxy.y() > -0.005);
+  session->lead_pen({0.1, 0.1, 0.1});
+  CHECK(wait_for(*session, [](const LiveState& s) { return !s.pen.touching && s.pen.tip.y() > 0.05; }));
+}
+
+TEST_CASE("sound starts when its models are made, and a blow is heard") {
+  const Scene scene = parsed(drop + "[sound]\nmodes = 4\n");
+  VoiceBaker baker;
+  AudioTap tap;
+  sound::NullDevice device;
+  REQUIRE(device.start(tap));
+  {
+    const auto session = live(scene);
+    session->start(&tap, &baker);
+    Controls controls;
+    bool heard = false;
+    std::vector<float> played;
+    for (int k = 0; k < 4000 && !heard; ++k) {
+      if (session->has_sound() && controls.resets == 0) controls.resets = 1;
+      session->control(controls);
+      played.clear();
+      tap.take(played);
+      for (const float sample : played) heard = heard || std::abs(sample) > 1e-4f;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    CHECK(session->has_sound());
+    CHECK(heard);
+  }
+  device.stop();
+}
+
+TEST_CASE("every letter is a compound of boxes within its size; others are none") {
+  for (const char c : std::string("ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789")) {
+    const auto shape = letter_shape(std::string(1, c), {0.10, 0.02, 0.14});
+    REQUIRE(shape);
+    const auto& children = *std::get<contact::Compound>(*shape).children;
+    double volume = 0;
+    for (const contact::CompoundChild& child : children) {
+      const Vec3 half = std::get<contact::Box>(child.shape).half;
+      volume += 8 * half.prod();
+      CHECK(((child.pose.position.cwiseAbs() + half - Vec3(0.05, 0.01, 0.07)).array() < 1e-12).all());
+    }
+    CHECK(volume > 0.2 * 0.10 * 0.02 * 0.14);
+    CHECK(volume < 0.8 * 0.10 * 0.02 * 0.14);
+    CHECK(shape_mesh(*shape).indices.size() == 36 * children.size());
+  }
+  CHECK_FALSE(letter_shape("a", {1, 1, 1}));
+  CHECK_FALSE(letter_shape("AB", {1, 1, 1}));
+}
+
+TEST_CASE("bodies, grounds, flippers and bumpers read from a scene; the floor's frame is turned with it") {
+  const Scene scene = parsed(R"([surface]
+rotation = [90, 0, 0]
+[[ground]]
+size = [0.5, 0.4]
+position = [0, 1, 0]
+[[ball]]
+frame = "floor"
+position = [0.1, 0.2, 0.0]
+[[body]]
+shape = "cylinder"
+radius = 0.03
+height = 0.2
+motion = "fixed"
+kick = 2
+[[body]]
+key = "right"
+sweep = -40
+)");
+  CHECK(scene.grounds.size() == 1);
+  CHECK((scene.balls[0].position - Vec3(0.1, 0.0, 0.2)).norm() < 1e-12);
+  CHECK(scene.bodies[0].kick == 2);
+  CHECK(scene.bodies[0].body.motion == dynamics::Motion::fixed);
+  REQUIRE(scene.bodies[1].flipper);
+  CHECK(scene.bodies[1].flipper->key == 1);
+  CHECK(scene.bodies[1].body.motion == dynamics::Motion::driven);
+  CHECK_FALSE(parse_scene("[[body]]\nshape = \"letter\"\nletter = \"?\"\n", "s"));
+  CHECK_FALSE(parse_scene("[[body]]\nsize = [1, -1, 1]\n", "s"));
+}
+
+TEST_CASE("flippers turn while their key is held, and a ball that falls below starts again") {
+  const Scene scene = parsed(R"([surface]
+representation = "flat"
+[physics]
+respawn_below = -0.5
+[[ball]]
+radius = 0.02
+position = [3, 0.1, 0]
+[[body]]
+size = [0.1, 0.02, 0.02]
+position = [0, 0.1, 0]
+key = "left"
+pivot = [-0.05, 0, 0]
+sweep = 60
+)");
+  const auto surface = make_surface(scene);
+  REQUIRE(surface);
+  SceneWorld world(scene, *surface, Representation::flat);
+  double lowest = 1, highest_later = -1;
+  for (int k = 0; k < 480; ++k) {
+    world.step(left_key);
+    const double y = world.pose(0).position.y();
+    lowest = std::min(lowest, y);
+    if (lowest < -0.3) highest_later = std::max(highest_later, y);
+  }
+  CHECK(lowest > -0.6);
+  CHECK(highest_later > 0.05);
+  const Pose struck = world.pose(1);
+  CHECK(Quat(struck.orientation).angularDistance(Quat::Identity()) ==
+        doctest::Approx(3.14159265 / 3).epsilon(1e-3));
+  CHECK((struck.to_world({-0.05, 0, 0}) - Vec3(-0.05, 0.1, 0)).norm() < 1e-5);
+  for (int k = 0; k < 60; ++k) world.step(0);
+  CHECK(world.pose(1).orientation.angularDistance(Quat::Identity()) < 1e-3);
+}

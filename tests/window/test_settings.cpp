@@ -1,0 +1,81 @@
+#include <doctest/doctest.h>
+
+#include <unistd.h>
+
+#include "intaglio/core/file.h"
+#include "intaglio/window/file_watch.h"
+#include "intaglio/window/gamepad.h"
+#include "intaglio/window/settings.h"
+
+using namespace intaglio;
+using namespace intaglio::window;
+
+namespace {
+
+std::filesystem::path scratch(const char* name) {
+  return std::filesystem::temp_directory_path() / fmt::format("intaglio-window-{}-{}", ::getpid(), name);
+}
+
+}  // namespace
+
+TEST_CASE("settings that are kept come back as they were; those of one run do not") {
+  const auto file = scratch("settings.toml");
+  Settings settings;
+  CHECK(set_by_name(settings, "volume", -6));
+  CHECK(set_by_name(settings, "contacts", 0));
+  CHECK(set_by_name(settings, "width", 801));
+  CHECK(set_by_name(settings, "speed", 0.1));
+  CHECK_FALSE(set_by_name(settings, "volum", 1));
+  REQUIRE(write_settings(file, settings));
+  Settings read;
+  REQUIRE(read_settings(file, read));
+  CHECK(read.volume == -6);
+  CHECK(read.overlay_contacts == false);
+  CHECK(read.width == 801);
+  CHECK(read.speed == 1);
+  std::filesystem::remove(file);
+}
+
+TEST_CASE("settings that cannot be read change nothing and say why; missing ones are the defaults") {
+  const auto file = scratch("broken.toml");
+  Settings settings;
+  CHECK(read_settings(scratch("none"), settings));
+  REQUIRE(write_file(file, std::string_view("volume = 3\nno such = 4\n")));
+  CHECK_FALSE(read_settings(file, settings));
+  REQUIRE(write_file(file, std::string_view("volume = 3\nwidht = 4\n")));
+  const auto read = read_settings(file, settings);
+  REQUIRE_FALSE(read);
+  CHECK(read.error().message().find("width") != std::string::npos);
+  CHECK(settings.volume == 0);
+  std::filesystem::remove(file);
+}
+
+TEST_CASE("a changed file is noticed once, at most twice a second") {
+  const auto file = scratch("watched");
+  REQUIRE(write_file(file, std::string_view("a")));
+  FileWatch watch;
+  watch.watch({file});
+  CHECK_FALSE(watch.has_changed(0));
+  std::filesystem::last_write_time(file, std::filesystem::last_write_time(file) + std::chrono::seconds(2));
+  CHECK_FALSE(watch.has_changed(0.4));
+  CHECK(watch.has_changed(0.6));
+  CHECK_FALSE(watch.has_changed(1.2));
+  std::filesystem::remove(file);
+}
+
+TEST_CASE("rumble: a harder blow shakes more, old contacts do not, and never beyond 1") {
+  session::LiveState state;
+  CHECK(rumble_of(state, 0).blow == 0);
+  double before = 0;
+  for (const double impulse : {1e-3, 1e-2, 0.1, 100.0}) {
+    state.mark[state.marks % session::most_marks].begins = true;
+    state.mark[state.marks++ % session::most_marks].impulse = {0, impulse, 0};
+    const Rumble rumble = rumble_of(state, state.marks - 1);
+    CHECK(rumble.blow >= before);
+    CHECK(rumble.blow <= 1);
+    CHECK(rumble.slide == 0);
+    before = rumble.blow;
+  }
+  CHECK(before == 1);
+  CHECK(rumble_of(state, state.marks).blow == 0);
+}
