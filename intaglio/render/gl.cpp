@@ -164,6 +164,7 @@ VertexArray::VertexArray(const Mesh& mesh) : VertexArray() {
   indices_ = Handle<delete_buffer>(names[1]);
   count_ = static_cast<GLsizei>(mesh.indices.size());
   const auto bytes = [](const auto& v) { return static_cast<GLsizeiptr>(v.size() * sizeof v[0]); };
+  bytes_ = std::size_t(bytes(mesh.vertices) + bytes(mesh.indices));
   glBindVertexArray(array_.get());
   glBindBuffer(GL_ARRAY_BUFFER, vertices_.get());
   glBufferData(GL_ARRAY_BUFFER, bytes(mesh.vertices), mesh.vertices.data(), GL_STATIC_DRAW);

@@ -135,6 +135,7 @@ class VertexArray {
   explicit VertexArray(const Mesh& mesh);
 
   void draw() const;
+  std::size_t bytes() const { return bytes_; }  // of vertices and indices
   // `count` vertices numbered by gl_VertexID alone.
   void draw_unindexed(int count) const;
 
@@ -143,6 +144,7 @@ class VertexArray {
   Handle<delete_buffer> vertices_;
   Handle<delete_buffer> indices_;
   GLsizei count_ = 0;
+  std::size_t bytes_ = 0;
 };
 
 // A uniform block's storage at one binding point, written whole once a frame.
