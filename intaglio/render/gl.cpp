@@ -187,6 +187,30 @@ void VertexArray::draw_unindexed(int count) const {
   glDrawArrays(GL_TRIANGLES, 0, count);
 }
 
+InstanceArray::InstanceArray(int attributes, std::span<const float> data)
+    : count_(GLsizei(data.size()) / (3 * attributes)), bytes_(data.size_bytes()) {
+  GLuint array = 0, buffer = 0;
+  glGenVertexArrays(1, &array);
+  array_ = Handle<delete_vertex_array>(array);
+  glGenBuffers(1, &buffer);
+  instances_ = Handle<delete_buffer>(buffer);
+  glBindVertexArray(array);
+  glBindBuffer(GL_ARRAY_BUFFER, buffer);
+  glBufferData(GL_ARRAY_BUFFER, GLsizeiptr(bytes_), data.data(), GL_STATIC_DRAW);
+  const auto stride = GLsizei(3 * sizeof(float));
+  for (int k = 0; k < attributes; ++k) {
+    const auto at = reinterpret_cast<const void*>(std::size_t(k * stride));
+    glEnableVertexAttribArray(GLuint(k));
+    glVertexAttribPointer(GLuint(k), 3, GL_FLOAT, GL_FALSE, attributes * stride, at);
+    glVertexAttribDivisor(GLuint(k), 1);
+  }
+}
+
+void InstanceArray::draw() const {
+  glBindVertexArray(array_.get());
+  glDrawArraysInstanced(GL_TRIANGLES, 0, 12, count_);
+}
+
 UniformBuffer::UniformBuffer(GLuint binding, GLsizeiptr bytes) : bytes_(bytes) {
   GLuint name = 0;
   glGenBuffers(1, &name);

@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 #include <initializer_list>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -143,6 +144,20 @@ class VertexArray {
   Handle<delete_vertex_array> array_;
   Handle<delete_buffer> vertices_;
   Handle<delete_buffer> indices_;
+  GLsizei count_ = 0;
+  std::size_t bytes_ = 0;
+};
+
+// Copies of twelve vertices each, that differ in `attributes` vectors of three floats an instance.
+class InstanceArray {
+ public:
+  InstanceArray(int attributes, std::span<const float> data);
+  void draw() const;
+  std::size_t bytes() const { return bytes_; }
+
+ private:
+  Handle<delete_vertex_array> array_;
+  Handle<delete_buffer> instances_;
   GLsizei count_ = 0;
   std::size_t bytes_ = 0;
 };

@@ -15,6 +15,7 @@ void connect(const gl::Program& program) {
   program.set("normals", normals_unit);
   program.set("colour", colour_unit);
   program.set("samples", samples_unit);
+  program.set("self_caster", -1);
 }
 
 }  // namespace
@@ -42,6 +43,7 @@ Result<Programs> Programs::create(March march) {
   };
   Result<void> ok = surface(result.slab, "slab", slab_vert, slab_frag);
   if (ok) ok = surface(result.mesh, "mesh", solid_vert, mesh_frag);
+  if (ok) ok = surface(result.shell, "shell", shell_vert, shell_frag);
   if (ok) ok = solid(result.ball, "ball", ball_frag);
   if (ok) ok = solid(result.plain, "plain", plain_frag);
   if (ok) ok = solid(result.pen, "pen", pen_frag);

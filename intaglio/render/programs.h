@@ -10,7 +10,7 @@ inline constexpr GLuint frame_binding = 0;
 enum Unit { heights_unit, bounds_unit, normals_unit, colour_unit, samples_unit };
 
 struct Programs {
-  gl::Program slab, mesh, ball, plain, pen, resolve;
+  gl::Program slab, mesh, shell, ball, plain, pen, resolve;
 
   static Result<Programs> create(March march);
 };

@@ -11,6 +11,7 @@
 #include "intaglio/render/gl.h"
 #include "intaglio/render/mesh.h"
 #include "intaglio/render/programs.h"
+#include "intaglio/render/shell.h"
 #include "intaglio/render/slab_mesh.h"
 #include "intaglio/render/surface_textures.h"
 
@@ -55,14 +56,21 @@ struct Part {
   surface::Placement placement;
   SurfaceTextures textures;
   FrameBlock block;
-  std::optional<gl::VertexArray> mesh;  // in place of traced relief
+  std::optional<gl::VertexArray> mesh;     // in place of traced relief
+  std::optional<gl::InstanceArray> shell;  // of a curved base, in place of a slab
 
   static Result<Part> create(const SurfacePart& part, const RendererOptions& options) {
     auto textures = SurfaceTextures::create(*part.surface);
     if (!textures) return tl::unexpected(textures.error());
     const FrameBlock block = surface_block(part, options, textures->pyramid_levels);
-    Part out{part.surface->placement(), std::move(*textures), block, {}};
-    if (part.mesh_cells > 0)
+    Part out{part.surface->placement(), std::move(*textures), block, {}, {}};
+    if (part.base) {
+      const auto& place = part.surface->placement();
+      const double depth = block.size[2] > 0 ? 1.01 * double(block.size[2]) : 1e-3 * place.size_u();
+      const auto shell = make_shell(*part.base, depth, {place.size_u(), place.size_v()});
+      if (!shell) return tl::unexpected(shell.error());
+      out.shell.emplace(8, std::span(shell->front().corner[0].data(), shell->size() * 24));
+    } else if (part.mesh_cells > 0)
       out.mesh.emplace(slab_mesh(*part.surface, part.mesh_cells, double(block.size[3])));
     return out;
   }
@@ -94,7 +102,8 @@ struct Renderer::Gpu {
 
   void draw(const FrameScene& scene);
   void begin(Part& part, const FrameScene& scene);
-  void draw_slab(const Part& part, Representation representation);
+  void draw_part(std::size_t index, const FrameScene& scene);
+  void draw_shell(std::size_t index, const FrameScene& scene);
   void draw_balls(const std::vector<Ball>& balls);
   void draw_solids(const FrameScene& scene);
   void draw_pen(const Pen& pen_);
@@ -131,8 +140,11 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const surface::Surface& surfa
   if (!canvas) return tl::unexpected(canvas.error());
   auto programs = Programs::create(options.march);
   if (!programs) return tl::unexpected(programs.error());
-  auto part =
-      Part::create({&surface, options.slab_thickness, options.roughness, options.mesh_cells}, options);
+  auto part = Part::create({.surface = &surface,
+                            .slab_thickness = options.slab_thickness,
+                            .roughness = options.roughness,
+                            .mesh_cells = options.mesh_cells},
+                           options);
   if (!part) return tl::unexpected(part.error());
   auto gpu = std::unique_ptr<Gpu>(new Gpu{.context = std::move(context),
                                           .options = options,
@@ -163,6 +175,7 @@ Renderer::DeviceBytes Renderer::device_bytes() const {
   for (const Part& part : gpu_->parts) {
     out.textures += part.textures.bytes;
     if (part.mesh) out.meshes += part.mesh->bytes();
+    if (part.shell) out.meshes += part.shell->bytes();
   }
   return out;
 }
@@ -238,10 +251,10 @@ void Renderer::Gpu::draw(const FrameScene& scene) {
   draw_balls(scene.balls);
   draw_solids(scene);
   if (scene.pen) draw_pen(*scene.pen);
-  draw_slab(parts.front(), scene.representation);
+  draw_part(0, scene);
   for (std::size_t k = 1; k < parts.size(); ++k) {
     begin(parts[k], scene);
-    draw_slab(parts[k], scene.representation);
+    draw_part(k, scene);
   }
   resolve(scene.background);
 }
@@ -256,8 +269,10 @@ void Renderer::Gpu::begin(Part& part, const FrameScene& scene) {
   part.textures.colour.bind(colour_unit);
 }
 
-void Renderer::Gpu::draw_slab(const Part& part, Representation representation) {
-  if (part.mesh && representation == Representation::relief) {
+void Renderer::Gpu::draw_part(std::size_t index, const FrameScene& scene) {
+  const Part& part = parts[index];
+  if (part.shell) return draw_shell(index, scene);
+  if (part.mesh && scene.representation == Representation::relief) {
     programs.mesh.use();
     programs.mesh.set("model", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
     part.mesh->draw();
@@ -266,6 +281,16 @@ void Renderer::Gpu::draw_slab(const Part& part, Representation representation) {
   programs.slab.use();
   glCullFace(GL_FRONT);
   no_vertices.draw_unindexed(36);
+  glCullFace(GL_BACK);
+}
+
+void Renderer::Gpu::draw_shell(std::size_t index, const FrameScene& scene) {
+  const Pose pose = index < scene.part_poses.size() ? scene.part_poses[index].pose : Pose();
+  programs.shell.use();
+  programs.shell.set("model", model_matrix(pose, 1, parts[index].placement));
+  programs.shell.set("self_caster", caster_of_part(scene, index));
+  glCullFace(GL_FRONT);
+  parts[index].shell->draw();
   glCullFace(GL_BACK);
 }
 

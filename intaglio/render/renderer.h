@@ -20,6 +20,7 @@
 #include "intaglio/core/error.h"
 #include "intaglio/core/image.h"
 #include "intaglio/render/frame_scene.h"
+#include "intaglio/surface/mesh/triangle_mesh.h"
 #include "intaglio/surface/surface.h"
 
 namespace intaglio::render {
@@ -39,6 +40,9 @@ struct SurfacePart {
   const surface::Surface* surface = nullptr;  // uploaded by the call that it is given to
   double slab_thickness = 0.03;
   double roughness = 0.55;
+  // Not null: the relief lies on this curved base instead (`checked`; the surface's rectangle is then only
+  // the measure of its u and v), which FrameScene::part_poses may move. Read by the call that it is given to.
+  const surface::TriangleMesh* base = nullptr;
   int mesh_cells =
       0;  // over 0: relief is a displaced mesh of so many squares a side (slab_mesh.h), for comparison
 };

@@ -37,6 +37,7 @@ void main() {
   Hit hit = meet_slab(eye.xyz, direction);
   float footprint = eye.w * distance(hit.p, eye.xyz);
   vec4 normal = hit.wall ? vec4(hit.wall_normal, 0.0) : mapped_normal(hit.p.xy / size.xy, footprint);
-  out_colour = vec4(film(surface_light(hit.p, normal.xyz, normal.w, hit.wall, footprint)), 1.0);
+  Spot spot = Spot(hit.p, normal.xyz, hit.p, normal.xyz, to_light(hit.p), normal.w, hit.wall);
+  out_colour = vec4(film(surface_light(spot, footprint)), 1.0);
   gl_FragDepth = window_depth(hit.p);
 }

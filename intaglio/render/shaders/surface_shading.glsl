@@ -1,6 +1,7 @@
 // How the surface looks where it is seen: its colour, its normals at the footprint of a sample, and what is over it.
 uniform sampler2D normals;  // 1023 n' = 511 n + 512; mipmapped
 uniform sampler2D colour;   // sRGB, mipmapped
+uniform int self_caster;    // index among the balls that cast shadows of the body that the surface is on, -1: none
 
 // The share of the sky over p: how far it lies below the mean height around it, at two distances.
 float relief_openness(vec3 p, bool is_relief) {
@@ -37,24 +38,33 @@ Matter wall_matter(vec3 skin, float under) {
   return Matter(mix(skin * 0.8, plaster, smoothstep(0.0, size.w * 0.5, under)), 0.9, 0.03);
 }
 
-// The light from p, a point of the relief or of a wall of the slab, towards the eye. n: its normal; spread: see
-// mapped_normal.
-vec3 surface_light(vec3 p, vec3 n, float spread, bool is_wall, float footprint) {
-  bool is_relief = count.z == 2 && !is_wall;
-  vec2 uv = p.xy / size.xy;
+// A point of the relief, or of a wall of the slab.
+struct Spot {
+  vec3 p, n;            // where, and which way it faces
+  vec3 q;               // p in the texture: metres along u and v, and height. Of a slab, p itself
+  vec3 q_normal;        // n in the texture
+  vec3 q_light;         // towards the light in the texture, unit
+  float spread;         // see mapped_normal
+  bool is_wall;
+};
+
+// The light from there towards the eye.
+vec3 surface_light(Spot s, float footprint) {
+  bool is_relief = count.z == 2 && !s.is_wall;
+  vec2 uv = s.q.xy / size.xy;
   float under = 0.0;
-  for (int k = 0; k < (is_wall ? 1 : 0); ++k) {
+  for (int k = 0; k < (s.is_wall ? 1 : 0); ++k) {
     uv = clamp(uv, 0.5 / texels.xy, 1.0 - 0.5 / texels.xy);
-    under = (count.z == 2 ? height(p.xy) : 0.0) - p.z;
+    under = (count.z == 2 ? height(s.q.xy) : 0.0) - s.q.z;
   }
   vec3 skin = colour_at(uv, max(footprint, under));
   float square = material.w * material.w;
-  Matter matter = Matter(skin, min(sqrt(sqrt(square * square + spread)), 1.0), 0.04);
-  if (is_wall) matter = wall_matter(skin, under);
-  vec3 l = to_light(p);
-  bool faces_light = dot(n, l) > 0.0 && (is_wall || l.z > 0.0);
-  float seen = faces_light ? object_shadow(p, l, -1) : 0.0;
-  if (is_relief && seen > 0.0) seen *= relief_shadow(p + n * 0.25 * texels.z, l);
-  float open = is_wall ? 0.75 : relief_openness(p, is_relief);
-  return lit(p, n, matter, seen, open * object_openness(p, n, -1));
+  Matter matter = Matter(skin, min(sqrt(sqrt(square * square + s.spread)), 1.0), 0.04);
+  if (s.is_wall) matter = wall_matter(skin, under);
+  vec3 l = to_light(s.p);
+  bool faces_light = dot(s.n, l) > 0.0 && (s.is_wall || s.q_light.z > 0.0);
+  float seen = faces_light ? object_shadow(s.p, l, self_caster) : 0.0;
+  if (is_relief && seen > 0.0) seen *= relief_shadow(s.q + s.q_normal * 0.25 * texels.z, s.q_light);
+  float open = s.is_wall ? 0.75 : relief_openness(s.q, is_relief);
+  return lit(s.p, s.n, matter, seen, open * object_openness(s.p, s.n, self_caster));
 }
