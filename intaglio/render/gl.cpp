@@ -1,6 +1,7 @@
 #include "intaglio/render/gl.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstddef>
 #include <vector>
 
@@ -35,11 +36,31 @@ std::string program_log(GLuint program) {
   return one_line(log);
 }
 
-Result<Handle<delete_shader>> compile(GLenum stage, const std::string& name, Program::Pieces pieces) {
-  // The compiler's log then names lines as "piece:line(column)".
+// The compiler names lines as "piece:line(column)": of each piece that begins a word, the file's name
+// instead.
+std::string with_names(const std::string& log, const Program::Pieces& pieces) {
+  std::string out;
+  for (std::size_t k = 0; k < log.size();) {
+    const bool begins = k == 0 || log[k - 1] == ' ';
+    const std::size_t colon = log.find_first_not_of("0123456789", k);
+    const bool is_place = begins && colon != k && colon != std::string::npos && log[colon] == ':' &&
+                          colon - k < 4 &&
+                          std::isdigit(static_cast<unsigned char>(log[std::min(colon + 1, log.size() - 1)]));
+    const std::size_t piece = is_place ? std::stoul(log.substr(k, colon - k)) : pieces.size();
+    if (piece < pieces.size()) {
+      out += pieces[piece].file;
+      k = colon;
+    } else {
+      out += log[k++];
+    }
+  }
+  return out;
+}
+
+Result<Handle<delete_shader>> compile(GLenum stage, const std::string& name, const Program::Pieces& pieces) {
   std::string joined = version_line;
   int piece = 0;
-  for (const char* source : pieces) joined += fmt::format("#line 1 {}\n{}\n", piece++, source);
+  for (const Program::Piece& p : pieces) joined += fmt::format("#line 1 {}\n{}\n", piece++, p.text);
   const char* text = joined.c_str();
   Handle<delete_shader> shader(glCreateShader(stage));
   glShaderSource(shader.get(), 1, &text, nullptr);
@@ -48,14 +69,15 @@ Result<Handle<delete_shader>> compile(GLenum stage, const std::string& name, Pro
   glGetShaderiv(shader.get(), GL_COMPILE_STATUS, &compiled);
   if (!compiled) {
     return fail(fmt::format("{} {} shader", name, stage == GL_VERTEX_SHADER ? "vertex" : "fragment"),
-                "does not compile: " + shader_log(shader.get()), "a GLSL 330 driver is needed");
+                "does not compile: " + with_names(shader_log(shader.get()), pieces),
+                "a driver of GLSL 330 takes what is built in");
   }
   return shader;
 }
 
 }  // namespace
 
-Result<Program> Program::create(std::string name, Pieces vertex, Pieces fragment) {
+Result<Program> Program::create(std::string name, const Pieces& vertex, const Pieces& fragment) {
   const auto vertex_shader = compile(GL_VERTEX_SHADER, name, vertex);
   if (!vertex_shader) return tl::unexpected(vertex_shader.error());
   const auto fragment_shader = compile(GL_FRAGMENT_SHADER, name, fragment);

@@ -7,11 +7,11 @@
 #include <epoxy/gl.h>
 
 #include <Eigen/Core>
-#include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "intaglio/core/error.h"
 #include "intaglio/render/mesh.h"
@@ -60,10 +60,13 @@ inline void delete_vertex_array(GLuint name) {
 // A linked vertex and fragment shader. Shaders are given in pieces, which are joined after the #version line.
 class Program {
  public:
-  using Pieces = std::initializer_list<const char*>;
+  struct Piece {
+    std::string file, text;  // an error names file and line
+  };
+  using Pieces = std::vector<Piece>;
 
   // `name` is for the error, which carries the compiler's log in one line.
-  static Result<Program> create(std::string name, Pieces vertex, Pieces fragment);
+  static Result<Program> create(std::string name, const Pieces& vertex, const Pieces& fragment);
 
   void use() const { glUseProgram(program_.get()); }
   // These set a uniform by name; one that the compiler found unused is ignored. The program must be in use.

@@ -1,7 +1,5 @@
 #include "intaglio/render/programs.h"
 
-#include "intaglio_shaders.h"
-
 namespace intaglio::render {
 
 namespace {
@@ -20,34 +18,39 @@ void connect(const gl::Program& program) {
 
 }  // namespace
 
-Result<Programs> Programs::create(March march) {
-  using namespace shaders;
-  const char* search = march == March::classic ? march_classic_glsl : march_pyramid_glsl;
-  Programs result;
-  const auto make = [](gl::Program& program, const char* name, gl::Program::Pieces vertex,
-                       gl::Program::Pieces fragment) -> Result<void> {
-    auto created = gl::Program::create(name, vertex, fragment);
+Result<Programs> Programs::create(March march, const ShaderFiles& files) {
+  using Names = std::vector<std::string>;
+  const std::string search = march == March::classic ? "march_classic.glsl" : "march_pyramid.glsl";
+  const auto make = [&](gl::Program& program, const char* name, const Names& vertex,
+                        const Names& fragment) -> Result<void> {
+    const auto pieces = [&](const Names& names) {
+      std::vector<gl::Program::Piece> out;
+      for (const std::string& file : names) out.push_back({file, files.at(file)});
+      return out;
+    };
+    auto created = gl::Program::create(name, pieces(vertex), pieces(fragment));
     if (!created) return tl::unexpected(created.error());
     program = std::move(*created);
     connect(program);
     return {};
   };
-  const auto surface = [&](gl::Program& program, const char* name, const char* vertex, const char* fragment) {
-    return make(
-        program, name, {frame_glsl, vertex},
-        {frame_glsl, heights_glsl, search, shadow_glsl, lighting_glsl, surface_shading_glsl, fragment});
+  const auto surface = [&](gl::Program& program, const char* name, const char* vertex) {
+    return make(program, name, {"frame.glsl", vertex},
+                {"frame.glsl", "heights.glsl", search, "shadow.glsl", "lighting.glsl", "surface_shading.glsl",
+                 fmt::format("{}.frag", name)});
   };
-  const auto solid = [&](gl::Program& program, const char* name, const char* fragment) {
-    return make(program, name, {frame_glsl, solid_vert},
-                {frame_glsl, heights_glsl, shadow_glsl, lighting_glsl, fragment});
+  const auto solid = [&](gl::Program& program, const char* name) {
+    return make(program, name, {"frame.glsl", "solid.vert"},
+                {"frame.glsl", "heights.glsl", "shadow.glsl", "lighting.glsl", fmt::format("{}.frag", name)});
   };
-  Result<void> ok = surface(result.slab, "slab", slab_vert, slab_frag);
-  if (ok) ok = surface(result.mesh, "mesh", solid_vert, mesh_frag);
-  if (ok) ok = surface(result.shell, "shell", shell_vert, shell_frag);
-  if (ok) ok = solid(result.ball, "ball", ball_frag);
-  if (ok) ok = solid(result.plain, "plain", plain_frag);
-  if (ok) ok = solid(result.pen, "pen", pen_frag);
-  if (ok) ok = make(result.resolve, "resolve", {screen_vert}, {resolve_frag});
+  Programs result;
+  Result<void> ok = surface(result.slab, "slab", "slab.vert");
+  if (ok) ok = surface(result.mesh, "mesh", "solid.vert");
+  if (ok) ok = surface(result.shell, "shell", "shell.vert");
+  if (ok) ok = solid(result.ball, "ball");
+  if (ok) ok = solid(result.plain, "plain");
+  if (ok) ok = solid(result.pen, "pen");
+  if (ok) ok = make(result.resolve, "resolve", {"screen.vert"}, {"resolve.frag"});
   if (!ok) return tl::unexpected(ok.error());
   return result;
 }

@@ -3,6 +3,7 @@
 
 #include "intaglio/render/gl.h"
 #include "intaglio/render/renderer.h"
+#include "intaglio/render/shader_files.h"
 
 namespace intaglio::render {
 
@@ -12,7 +13,7 @@ enum Unit { heights_unit, bounds_unit, normals_unit, colour_unit, samples_unit }
 struct Programs {
   gl::Program slab, mesh, shell, ball, plain, pen, resolve;
 
-  static Result<Programs> create(March march);
+  static Result<Programs> create(March march, const ShaderFiles& files);
 };
 
 }  // namespace intaglio::render

@@ -138,7 +138,7 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const surface::Surface& surfa
   }
   auto canvas = Canvas::create(options);
   if (!canvas) return tl::unexpected(canvas.error());
-  auto programs = Programs::create(options.march);
+  auto programs = Programs::create(options.march, embedded_shaders());
   if (!programs) return tl::unexpected(programs.error());
   auto part = Part::create({.surface = &surface,
                             .slab_thickness = options.slab_thickness,
@@ -189,6 +189,16 @@ Result<void> Renderer::show(std::span<const SurfacePart> shown) {
     parts.push_back(std::move(*created));
   }
   gpu_->parts = std::move(parts);
+  return {};
+}
+
+Result<void> Renderer::reload_shaders(const std::filesystem::path& folder) {
+  const auto scope = current(gpu_->context);
+  const auto files = shaders_from(folder);
+  if (!files) return tl::unexpected(files.error());
+  auto programs = Programs::create(gpu_->options.march, *files);
+  if (!programs) return tl::unexpected(programs.error());
+  gpu_->programs = std::move(*programs);
   return {};
 }
 

@@ -12,6 +12,7 @@
 // llvmpipe, and 0.2 to create.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
@@ -75,6 +76,9 @@ class Renderer {
   // Draws these surfaces from now on; the first one is where bodies get their shadows from. At least one. On
   // failure what was shown before stays.
   Result<void> show(std::span<const SurfacePart> parts);
+  // Draws with the shaders of a folder (shader_files.h) from now on; when one does not compile, the error
+  // names its file and line, and pictures stay as they were.
+  Result<void> reload_shaders(const std::filesystem::path& folder);
   // The size of pictures from now on; on failure it stays as it was.
   Result<void> resize(int width, int height);
 

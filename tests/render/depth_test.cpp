@@ -89,8 +89,8 @@ TEST_CASE("a relief without depth is the plane") {
     for (const March march : {March::classic, March::pyramid}) {
       RendererOptions options = small_options();
       options.march = march;
-  options.linear_steps = 160;
-  options.binary_steps = 7;
+      options.linear_steps = 160;
+      options.binary_steps = 7;
       const auto renderer = make_renderer(make_surface(32, 1.0, max_depth, zero), options);
       FrameScene scene = target_scene();
       scene.representation = Representation::flat;
