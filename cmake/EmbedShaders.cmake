@@ -1,5 +1,5 @@
-# intaglio_embed_shaders(target): every file of intaglio/render/shaders becomes a string constant of the generated
-# header "intaglio_shaders.h" (relief.frag -> intaglio::render::shaders::relief_frag), so that the program needs no data folder.
+# intaglio_embed_shaders(target): the files of intaglio/render/shaders become the generated header "intaglio_shaders.h", so that
+# the program needs no data folder.
 function(intaglio_embed_shaders target)
   file(GLOB shaders CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/intaglio/render/shaders/*.vert
        ${PROJECT_SOURCE_DIR}/intaglio/render/shaders/*.frag ${PROJECT_SOURCE_DIR}/intaglio/render/shaders/*.glsl)

@@ -1,10 +1,10 @@
-# Writes the shader files of the list SHADERS as raw string literals into the header OUT.
-set(text "#pragma once\n// Generated from intaglio/render/shaders. Do not edit.\nnamespace intaglio::render::shaders {\n")
+# Writes the shader files of the list SHADERS as raw string literals into the header OUT: pairs of a file's name and its text.
+set(text "#pragma once\n// Generated from intaglio/render/shaders. Do not edit.\n#include <utility>\nnamespace intaglio::render {\n")
+string(APPEND text "inline constexpr std::pair<const char*, const char*> embedded_shader_files[] = {\n")
 foreach(shader IN LISTS SHADERS)
   get_filename_component(name ${shader} NAME)
-  string(REPLACE "." "_" name ${name})
   file(READ ${shader} source)
-  string(APPEND text "inline constexpr const char* ${name} = R\"glsl(${source})glsl\";\n")
+  string(APPEND text "{\"${name}\", R\"glsl(${source})glsl\"},\n")
 endforeach()
-string(APPEND text "}  // namespace intaglio::render::shaders\n")
+string(APPEND text "};\n}  // namespace intaglio::render\n")
 file(WRITE ${OUT} "${text}")

@@ -66,6 +66,8 @@ void fill_bodies(FrameBlock& block, const FrameScene& scene, const surface::Plac
   for (const Ball& ball : scene.balls) casts(ball.pose.position, ball.radius);
   for (const Solid& solid : scene.solids)
     if (solid.shadow_radius > 0) casts(solid.pose.position, solid.shadow_radius);
+  for (const auto& part : scene.part_poses)
+    if (part.shadow_radius > 0) casts(part.pose.position, part.shadow_radius);
   block.count = {std::int32_t(balls), scene.pen ? 1 : 0, std::int32_t(scene.representation), 0};
   if (!scene.pen) return;
   const Pen& pen = *scene.pen;
@@ -103,6 +105,16 @@ void fill_frame(FrameBlock& block, const FrameScene& scene, const surface::Place
   block.eye = four(placement.to_local(camera.eye), sample_angle);
   fill_light(block, scene.light, placement);
   fill_bodies(block, scene, placement);
+}
+
+int caster_of_part(const FrameScene& scene, std::size_t part) {
+  if (part >= scene.part_poses.size() || !(scene.part_poses[part].shadow_radius > 0)) return -1;
+  const auto casts = [](const auto& body) { return body.shadow_radius > 0; };
+  const auto before =
+      std::count_if(scene.solids.begin(), scene.solids.end(), casts) +
+      std::count_if(scene.part_poses.begin(), scene.part_poses.begin() + std::ptrdiff_t(part), casts);
+  const auto index = std::ptrdiff_t(scene.balls.size()) + before;
+  return index < max_shadow_balls ? int(index) : -1;
 }
 
 Eigen::Matrix4f model_matrix(const Pose& pose, double scale, const surface::Placement& placement) {

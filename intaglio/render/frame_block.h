@@ -32,6 +32,9 @@ FrameBlock surface_block(const SurfacePart& part, const RendererOptions& options
 void fill_frame(FrameBlock& block, const FrameScene& scene, const surface::Placement& placement,
                 const RendererOptions& options);
 
+// Which of the frame's casters of shadows a curved part is, or -1.
+int caster_of_part(const FrameScene& scene, std::size_t part);
+
 // A body's pose in the surface's frame, its mesh scaled by `scale`.
 Eigen::Matrix4f model_matrix(const Pose& pose, double scale, const surface::Placement& placement);
 

@@ -68,6 +68,13 @@ struct FrameScene {
   std::vector<Solid> solids;
   std::optional<Pen> pen;
   Representation representation = Representation::relief;
+  // Where the renderer's curved parts are, one a part in their order; where their base was made, when none is
+  // given.
+  struct PartPose {
+    Pose pose;
+    double shadow_radius = 0;  // as of a solid
+  };
+  std::vector<PartPose> part_poses;
   Background background;
 };
 

@@ -1,6 +1,7 @@
 #include "intaglio/render/gl.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstddef>
 #include <vector>
 
@@ -35,11 +36,31 @@ std::string program_log(GLuint program) {
   return one_line(log);
 }
 
-Result<Handle<delete_shader>> compile(GLenum stage, const std::string& name, Program::Pieces pieces) {
-  // The compiler's log then names lines as "piece:line(column)".
+// The compiler names lines as "piece:line(column)": of each piece that begins a word, the file's name
+// instead.
+std::string with_names(const std::string& log, const Program::Pieces& pieces) {
+  std::string out;
+  for (std::size_t k = 0; k < log.size();) {
+    const bool begins = k == 0 || log[k - 1] == ' ';
+    const std::size_t colon = log.find_first_not_of("0123456789", k);
+    const bool is_place = begins && colon != k && colon != std::string::npos && log[colon] == ':' &&
+                          colon - k < 4 &&
+                          std::isdigit(static_cast<unsigned char>(log[std::min(colon + 1, log.size() - 1)]));
+    const std::size_t piece = is_place ? std::stoul(log.substr(k, colon - k)) : pieces.size();
+    if (piece < pieces.size()) {
+      out += pieces[piece].file;
+      k = colon;
+    } else {
+      out += log[k++];
+    }
+  }
+  return out;
+}
+
+Result<Handle<delete_shader>> compile(GLenum stage, const std::string& name, const Program::Pieces& pieces) {
   std::string joined = version_line;
   int piece = 0;
-  for (const char* source : pieces) joined += fmt::format("#line 1 {}\n{}\n", piece++, source);
+  for (const Program::Piece& p : pieces) joined += fmt::format("#line 1 {}\n{}\n", piece++, p.text);
   const char* text = joined.c_str();
   Handle<delete_shader> shader(glCreateShader(stage));
   glShaderSource(shader.get(), 1, &text, nullptr);
@@ -48,14 +69,15 @@ Result<Handle<delete_shader>> compile(GLenum stage, const std::string& name, Pro
   glGetShaderiv(shader.get(), GL_COMPILE_STATUS, &compiled);
   if (!compiled) {
     return fail(fmt::format("{} {} shader", name, stage == GL_VERTEX_SHADER ? "vertex" : "fragment"),
-                "does not compile: " + shader_log(shader.get()), "a GLSL 330 driver is needed");
+                "does not compile: " + with_names(shader_log(shader.get()), pieces),
+                "a driver of GLSL 330 takes what is built in");
   }
   return shader;
 }
 
 }  // namespace
 
-Result<Program> Program::create(std::string name, Pieces vertex, Pieces fragment) {
+Result<Program> Program::create(std::string name, const Pieces& vertex, const Pieces& fragment) {
   const auto vertex_shader = compile(GL_VERTEX_SHADER, name, vertex);
   if (!vertex_shader) return tl::unexpected(vertex_shader.error());
   const auto fragment_shader = compile(GL_FRAGMENT_SHADER, name, fragment);
@@ -164,6 +186,7 @@ VertexArray::VertexArray(const Mesh& mesh) : VertexArray() {
   indices_ = Handle<delete_buffer>(names[1]);
   count_ = static_cast<GLsizei>(mesh.indices.size());
   const auto bytes = [](const auto& v) { return static_cast<GLsizeiptr>(v.size() * sizeof v[0]); };
+  bytes_ = std::size_t(bytes(mesh.vertices) + bytes(mesh.indices));
   glBindVertexArray(array_.get());
   glBindBuffer(GL_ARRAY_BUFFER, vertices_.get());
   glBufferData(GL_ARRAY_BUFFER, bytes(mesh.vertices), mesh.vertices.data(), GL_STATIC_DRAW);
@@ -184,6 +207,30 @@ void VertexArray::draw() const {
 void VertexArray::draw_unindexed(int count) const {
   glBindVertexArray(array_.get());
   glDrawArrays(GL_TRIANGLES, 0, count);
+}
+
+InstanceArray::InstanceArray(int attributes, std::span<const float> data)
+    : count_(GLsizei(data.size()) / (3 * attributes)), bytes_(data.size_bytes()) {
+  GLuint array = 0, buffer = 0;
+  glGenVertexArrays(1, &array);
+  array_ = Handle<delete_vertex_array>(array);
+  glGenBuffers(1, &buffer);
+  instances_ = Handle<delete_buffer>(buffer);
+  glBindVertexArray(array);
+  glBindBuffer(GL_ARRAY_BUFFER, buffer);
+  glBufferData(GL_ARRAY_BUFFER, GLsizeiptr(bytes_), data.data(), GL_STATIC_DRAW);
+  const auto stride = GLsizei(3 * sizeof(float));
+  for (int k = 0; k < attributes; ++k) {
+    const auto at = reinterpret_cast<const void*>(std::size_t(k * stride));
+    glEnableVertexAttribArray(GLuint(k));
+    glVertexAttribPointer(GLuint(k), 3, GL_FLOAT, GL_FALSE, attributes * stride, at);
+    glVertexAttribDivisor(GLuint(k), 1);
+  }
+}
+
+void InstanceArray::draw() const {
+  glBindVertexArray(array_.get());
+  glDrawArraysInstanced(GL_TRIANGLES, 0, 12, count_);
 }
 
 UniformBuffer::UniformBuffer(GLuint binding, GLsizeiptr bytes) : bytes_(bytes) {

@@ -7,10 +7,11 @@
 #include <epoxy/gl.h>
 
 #include <Eigen/Core>
-#include <initializer_list>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "intaglio/core/error.h"
 #include "intaglio/render/mesh.h"
@@ -59,10 +60,13 @@ inline void delete_vertex_array(GLuint name) {
 // A linked vertex and fragment shader. Shaders are given in pieces, which are joined after the #version line.
 class Program {
  public:
-  using Pieces = std::initializer_list<const char*>;
+  struct Piece {
+    std::string file, text;  // an error names file and line
+  };
+  using Pieces = std::vector<Piece>;
 
   // `name` is for the error, which carries the compiler's log in one line.
-  static Result<Program> create(std::string name, Pieces vertex, Pieces fragment);
+  static Result<Program> create(std::string name, const Pieces& vertex, const Pieces& fragment);
 
   void use() const { glUseProgram(program_.get()); }
   // These set a uniform by name; one that the compiler found unused is ignored. The program must be in use.
@@ -135,6 +139,7 @@ class VertexArray {
   explicit VertexArray(const Mesh& mesh);
 
   void draw() const;
+  std::size_t bytes() const { return bytes_; }  // of vertices and indices
   // `count` vertices numbered by gl_VertexID alone.
   void draw_unindexed(int count) const;
 
@@ -143,6 +148,21 @@ class VertexArray {
   Handle<delete_buffer> vertices_;
   Handle<delete_buffer> indices_;
   GLsizei count_ = 0;
+  std::size_t bytes_ = 0;
+};
+
+// Copies of twelve vertices each, that differ in `attributes` vectors of three floats an instance.
+class InstanceArray {
+ public:
+  InstanceArray(int attributes, std::span<const float> data);
+  void draw() const;
+  std::size_t bytes() const { return bytes_; }
+
+ private:
+  Handle<delete_vertex_array> array_;
+  Handle<delete_buffer> instances_;
+  GLsizei count_ = 0;
+  std::size_t bytes_ = 0;
 };
 
 // A uniform block's storage at one binding point, written whole once a frame.

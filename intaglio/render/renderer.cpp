@@ -10,66 +10,24 @@
 #include "intaglio/render/frame_block.h"
 #include "intaglio/render/gl.h"
 #include "intaglio/render/mesh.h"
+#include "intaglio/render/programs.h"
+#include "intaglio/render/shell.h"
+#include "intaglio/render/slab_mesh.h"
 #include "intaglio/render/surface_textures.h"
-#include "intaglio_shaders.h"
 
 namespace intaglio::render {
 
 namespace {
 
-constexpr GLuint frame_binding = 0;
-enum Unit { heights_unit, bounds_unit, relief_unit, colour_unit, samples_unit };
-
-struct Programs {
-  gl::Program slab, ball, plain, pen, resolve;
-
-  static Result<Programs> create(March march);
-};
-
-// Tells a program where the frame's block and the textures are; those it does not use are ignored.
-void connect(const gl::Program& program) {
-  program.bind_block("Frame", frame_binding);
-  program.use();
-  program.set("heights", heights_unit);
-  program.set("bounds", bounds_unit);
-  program.set("relief", relief_unit);
-  program.set("colour", colour_unit);
-  program.set("samples", samples_unit);
-}
-
-Result<Programs> Programs::create(March march) {
-  using namespace shaders;
-  const char* search = march == March::classic ? march_classic_glsl : march_pyramid_glsl;
-  auto slab = gl::Program::create("slab", {frame_glsl, slab_vert},
-                                  {frame_glsl, heights_glsl, search, shadow_glsl, lighting_glsl, slab_frag});
-  if (!slab) return tl::unexpected(slab.error());
-  auto ball = gl::Program::create("ball", {frame_glsl, solid_vert},
-                                  {frame_glsl, heights_glsl, shadow_glsl, lighting_glsl, ball_frag});
-  if (!ball) return tl::unexpected(ball.error());
-  auto plain = gl::Program::create("plain", {frame_glsl, solid_vert},
-                                   {frame_glsl, heights_glsl, shadow_glsl, lighting_glsl, plain_frag});
-  if (!plain) return tl::unexpected(plain.error());
-  auto pen = gl::Program::create("pen", {frame_glsl, solid_vert},
-                                 {frame_glsl, heights_glsl, shadow_glsl, lighting_glsl, pen_frag});
-  if (!pen) return tl::unexpected(pen.error());
-  auto resolve = gl::Program::create("resolve", {screen_vert}, {resolve_frag});
-  if (!resolve) return tl::unexpected(resolve.error());
-  Programs result{std::move(*slab), std::move(*ball), std::move(*plain), std::move(*pen),
-                  std::move(*resolve)};
-  for (const gl::Program* program : {&result.slab, &result.ball, &result.plain, &result.pen, &result.resolve})
-    connect(*program);
-  return result;
-}
-
 Result<void> check(const RendererOptions& o) {
   if (o.supersample < 1 || o.supersample > 4) {
     return fail("renderer", fmt::format("supersample is {}", o.supersample), "it must be 1 to 4");
   }
-  if (o.linear_steps < 8 || o.binary_steps < 0 || o.shadow_steps < 4) {
+  if (o.linear_steps < 8 || o.binary_steps < 0 || (o.shadow_steps < 4 && o.shadow_steps != 0)) {
     return fail("renderer",
                 fmt::format("step counts are {} linear, {} binary, {} shadow", o.linear_steps, o.binary_steps,
                             o.shadow_steps),
-                "there must be at least 8 linear, 0 binary and 4 shadow steps");
+                "there must be at least 8 linear and 0 binary steps, and 4 shadow steps or 0 for none");
   }
   if (!(o.roughness > 0 && o.roughness <= 1) || !(o.slab_thickness > 0)) {
     return fail("renderer",
@@ -98,12 +56,23 @@ struct Part {
   surface::Placement placement;
   SurfaceTextures textures;
   FrameBlock block;
+  std::optional<gl::VertexArray> mesh;     // in place of traced relief
+  std::optional<gl::InstanceArray> shell;  // of a curved base, in place of a slab
 
   static Result<Part> create(const SurfacePart& part, const RendererOptions& options) {
     auto textures = SurfaceTextures::create(*part.surface);
     if (!textures) return tl::unexpected(textures.error());
     const FrameBlock block = surface_block(part, options, textures->pyramid_levels);
-    return Part{part.surface->placement(), std::move(*textures), block};
+    Part out{part.surface->placement(), std::move(*textures), block, {}, {}};
+    if (part.base) {
+      const auto& place = part.surface->placement();
+      const double depth = block.size[2] > 0 ? 1.01 * double(block.size[2]) : 1e-3 * place.size_u();
+      const auto shell = make_shell(*part.base, depth, {place.size_u(), place.size_v()});
+      if (!shell) return tl::unexpected(shell.error());
+      out.shell.emplace(8, std::span(shell->front().corner[0].data(), shell->size() * 24));
+    } else if (part.mesh_cells > 0)
+      out.mesh.emplace(slab_mesh(*part.surface, part.mesh_cells, double(block.size[3])));
+    return out;
   }
 };
 
@@ -133,7 +102,8 @@ struct Renderer::Gpu {
 
   void draw(const FrameScene& scene);
   void begin(Part& part, const FrameScene& scene);
-  void draw_slab();
+  void draw_part(std::size_t index, const FrameScene& scene);
+  void draw_shell(std::size_t index, const FrameScene& scene);
   void draw_balls(const std::vector<Ball>& balls);
   void draw_solids(const FrameScene& scene);
   void draw_pen(const Pen& pen_);
@@ -168,9 +138,13 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const surface::Surface& surfa
   }
   auto canvas = Canvas::create(options);
   if (!canvas) return tl::unexpected(canvas.error());
-  auto programs = Programs::create(options.march);
+  auto programs = Programs::create(options.march, embedded_shaders());
   if (!programs) return tl::unexpected(programs.error());
-  auto part = Part::create({&surface, options.slab_thickness, options.roughness}, options);
+  auto part = Part::create({.surface = &surface,
+                            .slab_thickness = options.slab_thickness,
+                            .roughness = options.roughness,
+                            .mesh_cells = options.mesh_cells},
+                           options);
   if (!part) return tl::unexpected(part.error());
   auto gpu = std::unique_ptr<Gpu>(new Gpu{.context = std::move(context),
                                           .options = options,
@@ -196,6 +170,16 @@ std::string Renderer::device() const {
   return description_of_current();
 }
 
+Renderer::DeviceBytes Renderer::device_bytes() const {
+  DeviceBytes out;
+  for (const Part& part : gpu_->parts) {
+    out.textures += part.textures.bytes;
+    if (part.mesh) out.meshes += part.mesh->bytes();
+    if (part.shell) out.meshes += part.shell->bytes();
+  }
+  return out;
+}
+
 Result<void> Renderer::show(std::span<const SurfacePart> shown) {
   const auto scope = current(gpu_->context);
   std::vector<Part> parts;
@@ -205,6 +189,16 @@ Result<void> Renderer::show(std::span<const SurfacePart> shown) {
     parts.push_back(std::move(*created));
   }
   gpu_->parts = std::move(parts);
+  return {};
+}
+
+Result<void> Renderer::reload_shaders(const std::filesystem::path& folder) {
+  const auto scope = current(gpu_->context);
+  const auto files = shaders_from(folder);
+  if (!files) return tl::unexpected(files.error());
+  auto programs = Programs::create(gpu_->options.march, *files);
+  if (!programs) return tl::unexpected(programs.error());
+  gpu_->programs = std::move(*programs);
   return {};
 }
 
@@ -267,10 +261,10 @@ void Renderer::Gpu::draw(const FrameScene& scene) {
   draw_balls(scene.balls);
   draw_solids(scene);
   if (scene.pen) draw_pen(*scene.pen);
-  draw_slab();
+  draw_part(0, scene);
   for (std::size_t k = 1; k < parts.size(); ++k) {
     begin(parts[k], scene);
-    draw_slab();
+    draw_part(k, scene);
   }
   resolve(scene.background);
 }
@@ -281,14 +275,32 @@ void Renderer::Gpu::begin(Part& part, const FrameScene& scene) {
   frame.write(&part.block);
   part.textures.heights.bind(heights_unit);
   part.textures.bounds.bind(bounds_unit);
-  part.textures.relief.bind(relief_unit);
+  part.textures.normals.bind(normals_unit);
   part.textures.colour.bind(colour_unit);
 }
 
-void Renderer::Gpu::draw_slab() {
+void Renderer::Gpu::draw_part(std::size_t index, const FrameScene& scene) {
+  const Part& part = parts[index];
+  if (part.shell) return draw_shell(index, scene);
+  if (part.mesh && scene.representation == Representation::relief) {
+    programs.mesh.use();
+    programs.mesh.set("model", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
+    part.mesh->draw();
+    return;
+  }
   programs.slab.use();
   glCullFace(GL_FRONT);
   no_vertices.draw_unindexed(36);
+  glCullFace(GL_BACK);
+}
+
+void Renderer::Gpu::draw_shell(std::size_t index, const FrameScene& scene) {
+  const Pose pose = index < scene.part_poses.size() ? scene.part_poses[index].pose : Pose();
+  programs.shell.use();
+  programs.shell.set("model", model_matrix(pose, 1, parts[index].placement));
+  programs.shell.set("self_caster", caster_of_part(scene, index));
+  glCullFace(GL_FRONT);
+  parts[index].shell->draw();
   glCullFace(GL_BACK);
 }
 

@@ -12,6 +12,7 @@
 // llvmpipe, and 0.2 to create.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
@@ -20,6 +21,7 @@
 #include "intaglio/core/error.h"
 #include "intaglio/core/image.h"
 #include "intaglio/render/frame_scene.h"
+#include "intaglio/surface/mesh/triangle_mesh.h"
 #include "intaglio/surface/surface.h"
 
 namespace intaglio::render {
@@ -39,6 +41,11 @@ struct SurfacePart {
   const surface::Surface* surface = nullptr;  // uploaded by the call that it is given to
   double slab_thickness = 0.03;
   double roughness = 0.55;
+  // Not null: the relief lies on this curved base instead (`checked`; the surface's rectangle is then only
+  // the measure of its u and v), which FrameScene::part_poses may move. Read by the call that it is given to.
+  const surface::TriangleMesh* base = nullptr;
+  int mesh_cells =
+      0;  // over 0: relief is a displaced mesh of so many squares a side (slab_mesh.h), for comparison
 };
 
 struct RendererOptions {
@@ -46,14 +53,16 @@ struct RendererOptions {
   int height = 720;
   int supersample = 2;  // samples along a pixel's side, 1..4
   March march = March::pyramid;
-  int linear_steps = 160;  // classic: the most linear steps; a sixth of a texel each where that suffices
-  int binary_steps = 7;    // classic: halvings after them
-  int shadow_steps = 32;   // the most steps of the self-shadow; one a texel where that suffices
+  int linear_steps = 32;  // classic: linear steps
+  int binary_steps = 6;   // classic: halvings after them
+  int shadow_steps =
+      32;  // classic: the most steps of the self-shadow, one a texel where that suffices; 0: none
   double slab_thickness =
       0.03;                 // metres below the base plane; raised to 1.25 times the relief's depth where less
   double roughness = 0.55;  // of the surface, 0..1 (GGX: the square is the slope's spread)
   Vec3 colour = Vec3(0.45, 0.44, 0.42);  // of the surface where it has no colour map; linear RGB
   Context context = Context::own;
+  int mesh_cells = 0;  // see SurfacePart
 };
 
 class Renderer {
@@ -67,6 +76,9 @@ class Renderer {
   // Draws these surfaces from now on; the first one is where bodies get their shadows from. At least one. On
   // failure what was shown before stays.
   Result<void> show(std::span<const SurfacePart> parts);
+  // Draws with the shaders of a folder (shader_files.h) from now on; when one does not compile, the error
+  // names its file and line, and pictures stay as they were.
+  Result<void> reload_shaders(const std::filesystem::path& folder);
   // The size of pictures from now on; on failure it stays as it was.
   Result<void> resize(int width, int height);
 
@@ -82,6 +94,12 @@ class Renderer {
   // axis (not along the pixel's ray), infinity where only the background is seen. A pixel has the depth of
   // its middle sample; with an even supersample, of the one right above the middle, half a sample away.
   std::vector<float> depth() const;
+
+  // What the surfaces take of the device's memory; colour maps count as textures.
+  struct DeviceBytes {
+    std::size_t textures = 0, meshes = 0;
+  };
+  DeviceBytes device_bytes() const;
 
   // The driver, for logs and reports.
   std::string device() const;

@@ -1,5 +1,6 @@
-// A Surface on the device: what shaders/heights.glsl, march_pyramid.glsl and slab.frag read. Made once; needs
-// a current GL context. Device memory: about 4 + 5.3 + 10.7 bytes a texel and the colour map.
+// A Surface on the device: what shaders/heights.glsl, march_pyramid.glsl and surface_shading.glsl read. Made
+// once; needs a current GL context. Device memory: 2.7 + 0.7 + 5.3 bytes a texel, and 4 a texel of the colour
+// map.
 #pragma once
 
 #include "intaglio/core/error.h"
@@ -9,11 +10,13 @@
 namespace intaglio::render {
 
 struct SurfaceTextures {
-  gl::Texture heights;  // metres, with a border of one texel that holds the edge rule
-  gl::Texture bounds;   // pyramid of the highest z of the cells
-  gl::Texture relief;   // normal and depth fraction, mipmapped
+  gl::Texture
+      heights;  // depth fractions of 16 bits, mipmapped, with a border of one texel that holds the edge rule
+  gl::Texture bounds;   // their least in blocks of 2 x 2 cells and larger
+  gl::Texture normals;  // 10 bits a component, mipmapped
   gl::Texture colour;   // sRGB, mipmapped; one white texel when the surface has none
   int pyramid_levels = 0;
+  std::size_t bytes = 0;  // of them all
 
   static Result<SurfaceTextures> create(const surface::Surface& surface);
 };

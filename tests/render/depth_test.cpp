@@ -10,6 +10,8 @@ namespace {
 DepthDifference against_oracle(const surface::Surface& surface, March march, const Camera& camera) {
   RendererOptions options = small_options();
   options.march = march;
+  options.linear_steps = 160;
+  options.binary_steps = 7;
   const auto renderer = make_renderer(surface, options);
   FrameScene scene;
   scene.camera = camera;
@@ -87,6 +89,8 @@ TEST_CASE("a relief without depth is the plane") {
     for (const March march : {March::classic, March::pyramid}) {
       RendererOptions options = small_options();
       options.march = march;
+      options.linear_steps = 160;
+      options.binary_steps = 7;
       const auto renderer = make_renderer(make_surface(32, 1.0, max_depth, zero), options);
       FrameScene scene = target_scene();
       scene.representation = Representation::flat;

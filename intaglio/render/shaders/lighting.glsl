@@ -13,6 +13,8 @@ float specular_lobe(float n_h, float n_v, float n_l, float roughness) {
   return n_l * a2 / (2.0 * PI * d * d * mix(2.0 * n_l * n_v, n_l + n_v, a) + 1e-6);
 }
 
+float fifth(float x) { return x * x * x * x * x; }
+
 struct Matter {
   vec3 colour;      // linear, diffuse
   float roughness;
@@ -26,11 +28,11 @@ vec3 lit(vec3 p, vec3 n, Matter matter, float seen, float open) {
   vec3 h = normalize(v + l);
   float n_v = clamp(abs(dot(n, v)), 1e-4, 1.0);
   float n_l = clamp(dot(n, l), 0.0, 1.0);
-  float fresnel = matter.reflectance + (1.0 - matter.reflectance) * pow(1.0 - clamp(dot(v, h), 0.0, 1.0), 5.0);
+  float fresnel = matter.reflectance + (1.0 - matter.reflectance) * fifth(1.0 - clamp(dot(v, h), 0.0, 1.0));
   float lobe = specular_lobe(clamp(dot(n, h), 0.0, 1.0), n_v, n_l, matter.roughness);
   vec3 direct = seen * light_colour.rgb * (matter.colour / PI * n_l + fresnel * lobe);
   float gloss = 1.0 - matter.roughness;
-  float rim = matter.reflectance + (max(gloss, matter.reflectance) - matter.reflectance) * pow(1.0 - n_v, 5.0);
+  float rim = matter.reflectance + (max(gloss, matter.reflectance) - matter.reflectance) * fifth(1.0 - n_v);
   vec3 ambient = matter.colour * sky_light(n) + rim * gloss * sky_light(reflect(-v, n));
   return direct + open * ambient;
 }

@@ -1,13 +1,11 @@
 // Relief mapping's search: linear steps until below the relief, then bisection (Policarpo, Oliveira & Comba 2005).
-// Features thinner than a step can be missed. Steps are a sixth of a texel long until their number is used up.
+// Features thinner than a step can be missed.
 
 // The first t in from..to where origin + t * direction is under the relief, or -1.
 float march(vec3 origin, vec3 direction, float from, float to) {
-  float crossed = length(direction.xy / size.xy * texels.xy) * (to - from);
-  int linear_steps = clamp(int(ceil(6.0 * crossed)), 8, steps.x);
-  float stride = (to - from) / float(linear_steps);
+  float stride = (to - from) / float(steps.x);
   float above = from;
-  for (int k = 0; k <= linear_steps; ++k) {
+  for (int k = 0; k <= steps.x; ++k) {
     float t = from + float(k) * stride;
     vec3 p = origin + t * direction;
     if (p.z <= height(p.xy)) {

@@ -1,17 +1,22 @@
 // Exact search: descend a pyramid of the highest z in blocks of cells, skip blocks that the ray passes over, and solve the
 // quadratic of ray and bilinear patch in the leaves (after Tevs, Ihrke & Seidel 2008, with their cells made bilinear).
 // Cell (i, j) lies between the centres of texels (i, j) and (i + 1, j + 1) of the bordered height texture.
-uniform sampler2D bounds;  // level k: highest z in blocks of 2^k x 2^k cells
+uniform sampler2D bounds;  // level k: least depth fraction in blocks of 2^(k + 1) x 2^(k + 1) cells
 
 // How far into the next cell a step goes, in cells: more than the rounding of a coordinate, less than can be seen.
 const float NUDGE = 2e-3;
 
+float texel(ivec2 at) { return -size.z * texelFetch(heights, at, 0).r; }
+
+// The highest z in a block of 2^level cells a side; level 1 and up.
+float highest(vec2 block, int level) { return -size.z * texelFetch(bounds, ivec2(block), level - 1).r; }
+
 // Where in 0..1 of the step `d` from `p` the ray goes under the cell's patch, or 2. xy in cells, z in metres.
 float meet_patch(vec3 p, vec3 d, ivec2 cell) {
-  float z00 = texelFetch(heights, cell, 0).r;
-  float z10 = texelFetch(heights, cell + ivec2(1, 0), 0).r;
-  float z01 = texelFetch(heights, cell + ivec2(0, 1), 0).r;
-  float z11 = texelFetch(heights, cell + ivec2(1, 1), 0).r;
+  float z00 = texel(cell);
+  float z10 = texel(cell + ivec2(1, 0));
+  float z01 = texel(cell + ivec2(0, 1));
+  float z11 = texel(cell + ivec2(1, 1));
   vec2 q = p.xy - vec2(cell);
   float along_s = z10 - z00;
   float along_t = z01 - z00;
@@ -28,37 +33,56 @@ float meet_patch(vec3 p, vec3 d, ivec2 cell) {
   return denominator > 0.0 ? 2.0 * c / denominator : 2.0;
 }
 
-// The first t in from..to where origin + t * direction is under the relief, or -1.
-float march(vec3 origin, vec3 direction, float from, float to) {
+// A walk along a ray, block by block. xy in cells, z in metres, t along the ray.
+struct Walk {
+  vec3 o, d;
+  vec2 inverse, ahead;
+  float nudge;  // in t
+};
+
+Walk walk(vec3 origin, vec3 direction) {
   vec3 scale = vec3(texels.xy / size.xy, 1.0);
-  vec3 o = origin * scale + vec3(0.5, 0.5, 0.0);
   vec3 d = direction * scale;
   vec2 inverse = vec2(abs(d.x) > 1e-9 ? 1.0 / d.x : 1e20, abs(d.y) > 1e-9 ? 1.0 / d.y : 1e20);
-  vec2 ahead = step(0.0, d.xy);
-  float nudge = NUDGE / max(length(d.xy), 1e-6);
-  int top = steps.w - 1;
-  int level = min(2, top);
+  return Walk(origin * scale + vec3(0.5, 0.5, 0.0), d, inverse, step(0.0, d.xy), NUDGE / max(length(d.xy), 1e-6));
+}
+
+// The block of that level in which the walk is at t.
+vec2 block_at(Walk w, float t, int level) { return floor((w.o.xy + (t + w.nudge) * w.d.xy) / float(1 << level)); }
+
+// Where the walk leaves the block, `to` at the latest.
+float leaves(Walk w, vec2 block, int level, float t, float to) {
+  vec2 exits = ((block + w.ahead) * float(1 << level) - w.o.xy) * w.inverse;
+  return min(min(exits.x > t ? exits.x : 1e20, exits.y > t ? exits.y : 1e20), to);
+}
+
+// The first t in from..to where origin + t * direction is under the relief, or -1.
+float march(vec3 origin, vec3 direction, float from, float to) {
+  Walk w = walk(origin, direction);
+  int level = min(2, steps.w);
   float t = from;
-  for (int k = 0; k < 512; ++k) {
-    float block = float(1 << level);
-    vec2 corner = floor((o.xy + (t + nudge) * d.xy) / block);
-    vec2 exits = ((corner + ahead) * block - o.xy) * inverse;
-    float t_exit = min(min(exits.x > t ? exits.x : 1e20, exits.y > t ? exits.y : 1e20), to);
-    float bound = texelFetch(bounds, ivec2(corner), level).r;
-    float z_exit = o.z + t_exit * d.z;
-    float z_here = o.z + t * d.z;
-    if (min(z_here, z_exit) > bound) {
-      t = max(t_exit, t + nudge);
-      level = min(level + 1, top);
-    } else if (level > 0) {
-      --level;
-      if (z_here > bound) t = min((bound - o.z) / d.z, t_exit);  // only a falling ray gets here
-    } else {
-      float at = meet_patch(o + t * d, d * (t_exit - t), ivec2(corner));
-      if (at <= 1.0) return t + at * (t_exit - t);
-      t = max(t_exit, t + nudge);
+  float hit = -1.0;
+  // Two loops in turn, of blocks and of cells: where neighbours run in step, none pays for the other's.
+  for (int k = 0; k < 512 && t < to && hit < 0.0; ++k) {
+    for (; level > 0 && t < to; ++k) {
+      vec2 block = block_at(w, t, level);
+      float t_exit = leaves(w, block, level, t, to);
+      float bound = highest(block, level);
+      float z_here = w.o.z + t * w.d.z;
+      bool over = min(z_here, w.o.z + t_exit * w.d.z) > bound;
+      // Only a falling ray comes from above the bound to below it.
+      float down = z_here > bound ? min((bound - w.o.z) / w.d.z, t_exit) : t;
+      t = over ? max(t_exit, t + w.nudge) : down;
+      level = over ? min(level + 1, steps.w) : level - 1;
     }
-    if (t >= to) return -1.0;
+    for (; level == 0 && t < to && hit < 0.0; ++k) {
+      vec2 cell = block_at(w, t, 0);
+      float t_exit = leaves(w, cell, 0, t, to);
+      float at = meet_patch(w.o + t * w.d, w.d * (t_exit - t), ivec2(cell));
+      hit = at <= 1.0 ? t + at * (t_exit - t) : hit;
+      t = max(t_exit, t + w.nudge);
+      level = block_at(w, t, 1) == floor(0.5 * cell) ? 0 : 1;
+    }
   }
-  return to;
+  return hit;
 }

@@ -1,0 +1,36 @@
+// Shaders from a folder, while one works on them.
+#include <filesystem>
+
+#include "intaglio/core/file.h"
+#include "intaglio/render/shader_files.h"
+#include "scenes.h"
+
+namespace intaglio::render::test {
+
+TEST_CASE("a folder's shaders are drawn with; one that does not compile is named, and the picture stays") {
+  if (!have_gl()) return;
+  const auto folder = std::filesystem::temp_directory_path() / "intaglio_reload_test";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  const auto renderer = make_renderer(brick(), small_options());
+  const Image8 before = renderer->draw(target_scene());
+  CHECK_FALSE(renderer->reload_shaders(folder));  // nothing there
+
+  std::string lighting = embedded_shaders().at("lighting.glsl");
+  REQUIRE(write_file(folder / "lighting.glsl", lighting + "\nfloat broken( {"));
+  const auto broken = renderer->reload_shaders(folder);
+  REQUIRE_FALSE(broken);
+  CHECK(broken.error().message().find("lighting.glsl:") != std::string::npos);
+  CHECK(renderer->draw(target_scene()).data == before.data);
+
+  const std::string curve = "vec3 film(vec3 x) { return ";
+  const auto at = lighting.find(curve);
+  REQUIRE(at != std::string::npos);
+  lighting.insert(at + curve.size(), "0.0 * ");
+  REQUIRE(write_file(folder / "lighting.glsl", lighting));
+  REQUIRE(renderer->reload_shaders(folder));
+  CHECK(renderer->draw(target_scene()).data != before.data);
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace intaglio::render::test
