@@ -36,9 +36,13 @@ Ensemble::Ensemble(std::vector<SoundBody> bodies, const SynthesizerOptions& opti
     : sample_rate_(options.sample_rate),
       bodies_(members(std::move(bodies), options)),
       pulses_(options.max_pulses, most_modes()),
+      max_groups_(std::size_t(options.max_modes) / resonator_lanes),
       scratch_(std::size_t(most_modes())),
       impulses_(std::size_t(options.max_pulses)) {
   reserve_drives(0);
+  std::size_t groups = 0;
+  for (const Member& member : bodies_) groups += std::size_t(member.padded_modes()) / resonator_lanes;
+  voices_.reserve(groups);
 }
 
 const Material& Ensemble::material(int i) const {
@@ -139,6 +143,27 @@ void Ensemble::sleep_when_silent() {
   for (Member& member : bodies_) {
     if (!member.bank.empty()) member.bank[0].sleep_when_silent();
   }
+}
+
+void Ensemble::steal_quietest() {
+  std::size_t sounding = 0;
+  for (const Member& member : bodies_) {
+    if (!member.bank.empty()) sounding += std::size_t(member.bank[0].sounding_groups());
+  }
+  if (sounding <= max_groups_) return;
+  voices_.clear();
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (bodies_[i].bank.empty()) continue;
+    const ModalBank& bank = bodies_[i].bank[0];
+    for (int g = 0; g < bank.groups(); ++g) {
+      if (bank.is_sounding(g)) voices_.push_back({bank.loudness(g), static_cast<int>(i), g});
+    }
+  }
+  const auto end = voices_.begin() + static_cast<std::ptrdiff_t>(sounding - max_groups_);
+  std::nth_element(voices_.begin(), end, voices_.end(),
+                   [](const Voice& a, const Voice& b) { return a.loudness < b.loudness; });
+  for (auto voice = voices_.begin(); voice != end; ++voice, ++stolen_)
+    bodies_[std::size_t(voice->body)].bank[0].fade(voice->group);
 }
 
 bool Ensemble::is_silent() const {

@@ -17,8 +17,9 @@
 //
 // One thread. render() neither allocates, locks nor throws: at most `max_pulses` blows sound at once (then
 // the smallest is dropped and counted), at most `max_pairs` pairs touch at once (then a new one is dropped
-// and counted), at most 8 points of a step are told apart, at most 256 texel crossings a step. push()
-// allocates only while has_room() is false: when more than 4,096 events wait.
+// and counted), at most `max_modes` modes go on sounding (the quietest are faded out), at most 8 points of a
+// step are told apart, at most 256 texel crossings a step. push() allocates only while has_room() is false:
+// when more than 4,096 events wait.
 #pragma once
 
 #include <cstdint>
@@ -44,6 +45,7 @@ struct SynthesizerOptions {
   double dead_band = 1e-3;  // of the lasting impulse; smaller changes are the solver's noise
   int max_pulses = 1024;
   int max_pairs = 256;
+  int max_modes = 60'000;  // that sound at once, of all bodies
 };
 
 struct SoundBody {
@@ -62,6 +64,7 @@ struct SynthesizerStatus {
   std::uint64_t truncated_paths = 0;  // steps with more than 256 texel crossings
   std::uint64_t late_events = 0;      // pushed after their step had been rendered
   std::uint64_t unknown_bodies = 0;   // events that name a body not listed, ignored
+  std::uint64_t stolen_groups = 0;    // of 16 modes, faded out for want of room: raise max_modes
   std::uint64_t dropped_pairs = 0;    // events of pairs for which there was no room: raise max_pairs
 };
 
