@@ -29,6 +29,9 @@ ContactEvent World::State::event(const Body& body, const Vec3& point, const Vec3
   event.n_g = place.n();
   event.n_s = options.representation == Representation::flat ? event.n_g : surface->world_normal(event.uv);
   event.v_t = velocity - velocity.dot(event.n_g) * event.n_g;
+  const Vec3 arm = point - from_bullet(body.rigid->getCenterOfMassPosition());
+  const Vec3 turning = from_bullet(body.rigid->getAngularVelocity()).cross(arm);
+  event.spin = turning - turning.dot(event.n_g) * event.n_g;
   event.impulse = impulse;
   event.duration = dt;
   event.body_pose = drawn_pose(body);

@@ -1,6 +1,9 @@
 #include "intaglio/sound/ensemble.h"
 
 #include <algorithm>
+#include <numbers>
+
+#include "intaglio/sound/acceleration_noise.h"
 
 namespace intaglio::sound {
 
@@ -11,10 +14,6 @@ const Material& material_of(const SoundBody& body) {
   return body.model ? body.model->material : unknown;
 }
 
-double slope(const MicroRoughness& micro) {
-  return micro.rms_height / micro.correlation_length;
-}
-
 }  // namespace
 
 Ensemble::Member::Member(SoundBody b, const SynthesizerOptions& options)
@@ -22,7 +21,13 @@ Ensemble::Member::Member(SoundBody b, const SynthesizerOptions& options)
       pose(body.rest_pose),
       source(body.rest_pose.position),
       micro(std::make_shared<MicroNoise>(material_of(body).micro, options.seed)) {
-  if (body.model) bank.emplace_back(*body.model, options.sample_rate);
+  if (!body.model) return;
+  std::vector<Resonator> modes = ModalBank::resonators(*body.model, options.sample_rate);
+  ringing = static_cast<int>(modes.size());
+  const Resonator click = acceleration_noise(body.model->area);
+  if (!body.is_fixed && body.model->area > 0 && click.damping < std::numbers::pi * options.sample_rate)
+    modes.push_back(click);
+  bank.emplace_back(modes, options.sample_rate);
 }
 
 std::vector<Ensemble::Member> Ensemble::members(std::vector<SoundBody> bodies,
@@ -49,10 +54,6 @@ const Material& Ensemble::material(int i) const {
   return material_of(body(i));
 }
 
-const MicroNoise& Ensemble::rougher(int i, int j) const {
-  return *bodies_[std::size_t(slope(material(i).micro) >= slope(material(j).micro) ? i : j)].micro;
-}
-
 int Ensemble::most_modes() const {
   int most = 0;
   for (const Member& member : bodies_) most = std::max(most, member.padded_modes());
@@ -73,10 +74,12 @@ void Ensemble::add_gains(int i, const Vec3& point, const Vec3& direction, double
                          std::span<float> out) {
   const Member& member = bodies_[std::size_t(i)];
   if (member.bank.empty()) return;
-  const std::span<float> gains = std::span(scratch_).first(std::size_t(member.bank[0].modes()));
+  const std::span<float> gains = std::span(scratch_).first(std::size_t(member.ringing));
   member.body.model->gains(member.pose.to_local(point), member.pose.orientation.conjugate() * direction,
                            gains);
   for (std::size_t m = 0; m < gains.size(); ++m) out[m] += static_cast<float>(weight) * gains[m];
+  if (member.bank[0].modes() > member.ringing)
+    out[gains.size()] += static_cast<float>(weight * acceleration_gain(member.body.mass));
 }
 
 void Ensemble::strike(int i, std::span<const float> gains, const HalfSine& shape, double impulse) {

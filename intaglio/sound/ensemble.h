@@ -24,8 +24,8 @@ class Ensemble {
   const SoundBody& body(int i) const { return bodies_[std::size_t(i)].body; }
   // Of the model, or the default one.
   const Material& material(int i) const;
-  // The noise of the rougher of two bodies: the one with the greater rms slope.
-  const MicroNoise& rougher(int i, int j) const;
+  // The roughness of its material.
+  const MicroNoise& noise(int i) const { return *bodies_[std::size_t(i)].micro; }
   // -1 when no body has that id.
   int find(BodyId id) const;
   void move(int i, const Pose& pose) { bodies_[std::size_t(i)].pose = pose; }
@@ -65,6 +65,7 @@ class Ensemble {
     Vec3 source;                  // where it sounds from
     EarGains ears_from, ears_to;  // at the ends of these block_samples
     std::vector<ModalBank> bank;  // one, or none for a body that makes no sound
+    int ringing = 0;              // modes of the model in it; one more is the click of a free body
     std::vector<Drive> drives;    // of the coming block
     std::shared_ptr<const MicroNoise> micro;
   };

@@ -4,10 +4,14 @@
 // by its opposite. What a contact sounds like has three levels (§1.2.5.1):
 //
 // - macro, the first touch: the impulse of its step as one Hertz half-sine in the middle of the step.
-// - meso, while contact lasts: either the engine's impulses (§1.3.3), of which only what is new strikes (see
-//   contact_force.h), each at a seeded random place within its step, because 480 steps a second would
-//   otherwise buzz at 480 Hz; or Eq. 1.4 at every texel that the contact crosses (meso.h).
-// - micro, while contact lasts: fractal noise by distance travelled, level by normal force (micro.h).
+// - meso, while contact lasts: the engine's impulses (§1.3.3), of which only what is new strikes (see
+//   contact_force.h), each where within its step the contact crossed the sharpest bend of the texture; or
+//   Eq. 1.4 at every texel that the contact crosses (meso.h); or Eq. 1.4 sample by sample with the slope of
+//   the height under the contact patch (rubbing.h).
+// - micro, while contact lasts: fractal noise of both surfaces by the distance swept over each, level by
+//   normal force (rubbing.h).
+//
+// A free body that is struck also clicks: its sudden acceleration pushes the air (acceleration_noise.h).
 //
 // An event reports the step that ends at `event.time` and lasts `event.duration`; the points of one pair with
 // equal times are one step, and steps of one pair come in order. A contact lasts until its end is reported:
@@ -35,7 +39,7 @@
 
 namespace intaglio::sound {
 
-enum class MesoSource { engine_impulses, normal_map };
+enum class MesoSource { engine_impulses, normal_map, height };
 
 struct SynthesizerOptions {
   double sample_rate = 44'100;  // Hz
@@ -53,10 +57,10 @@ struct SoundBody {
   std::shared_ptr<const ModalModel> model;  // absent: the body makes no sound
   double mass = 1;                          // kg
   bool is_fixed = false;                    // its mass counts as infinite
-  // m, where it touches; flat by default.
+  // m, where it touches; flat by default. Relief adds its own curvature.
   double radius_of_curvature = std::numeric_limits<double>::infinity();
   Pose rest_pose;                                   // until an event tells where it is
-  std::shared_ptr<const surface::Surface> surface;  // of a textured body, for MesoSource::normal_map
+  std::shared_ptr<const surface::Surface> surface;  // of a textured body, for meso
 };
 
 struct SynthesizerStatus {
