@@ -51,7 +51,7 @@ struct Recording {
   int physics_rate = 480, servo_rate = 1000, sample_rate = 44100, fps = 30;  // Hz
   Representation representation = Representation::relief;
   std::shared_ptr<const surface::Surface> surface;
-  std::string texture;  // as the scene names it
+  std::string texture;             // as the scene names it
   std::vector<std::string> notes;  // what import found and assumed of the texture, a line each
 
   std::vector<std::string> warnings;  // what the scene asks of a device that it cannot do, a line each
@@ -60,7 +60,8 @@ struct Recording {
   std::vector<haptics::ServoSample> servo;  // one a tick, the first at time 0; empty without a pen
   BodyId pen = 0;                           // 0: no pen
   std::vector<ContactEvent> events;         // in order of time
-  std::vector<float> audio;                 // -1..1
+  std::vector<float> stereo;                // -1..1, interleaved, at the camera
+  std::vector<float> audio;                 // the mean of both sides
   std::vector<KeyFrame> key_frames;
   std::vector<Voice> voices;
 

@@ -44,6 +44,11 @@ int servo_rate(const Scene& scene) {
 
 }  // namespace
 
+sound::Listener listener_of(const CameraScene& camera) {
+  const Vec3 right = (camera.target - camera.eye).cross(Vec3::UnitY());
+  return {camera.eye, right.norm() > 0 ? Vec3(right.normalized()) : Vec3(Vec3::UnitX())};
+}
+
 Result<SceneSurface> make_surface(const Scene& scene) {
   const SurfaceScene& from = scene.surface;
   SceneSurface out;
@@ -113,7 +118,7 @@ Simulation::Simulation(const Scene& scene, const SceneSurface& surface)
       world_(surface_, floor_material_,
              {scene.surface.representation, scene.physics.method, scene.physics.gravity,
               1.0 / scene.physics.rate}),
-      block_(block_size) {
+      block_(2 * block_size) {
   recording_.title = scene.title;
   recording_.duration = scene.duration;
   recording_.physics_rate = scene.physics.rate;
@@ -193,7 +198,7 @@ void Simulation::bake_floor(Bakery& bakery) const {
   sound::SoundBody floor;
   floor.id = floor_body;
   floor.is_fixed = true;
-  floor.surface = surface_;
+  if (scene_.surface.representation != Representation::flat) floor.surface = surface_;
   floor.rest_pose = {
       surface_->placement().to_world({slab.size.x() / 2, slab.size.y() / 2, -slab.thickness / 2}),
       rotation_of(slab.rotation)};
@@ -236,9 +241,11 @@ Result<void> Simulation::bake() {
   options.sample_rate = scene_.sound.sample_rate;
   options.seed = static_cast<std::uint64_t>(scene_.seed);
   options.micro_level *= scene_.sound.micro;
-  options.meso = scene_.surface.representation == Representation::normal ? sound::MesoSource::normal_map
-                                                                         : sound::MesoSource::engine_impulses;
+  options.meso = scene_.sound.meso.value_or(scene_.surface.representation == Representation::normal
+                                                ? sound::MesoSource::normal_map
+                                                : sound::MesoSource::engine_impulses);
   synthesizer_ = std::make_unique<sound::Synthesizer>(options, std::move(*bodies));
+  synthesizer_->set_listener(listener_of(scene_.camera));
   recording_.bake_s = static_cast<double>(process_cpu_ns() - start) * 1e-9;
   return {};
 }
@@ -279,11 +286,14 @@ Snapshot Simulation::advance_to_frame(std::int64_t index) {
 void Simulation::finish() {
   run_until(clock_.due(clock_.steps(scene_.duration, scene_.physics.rate), scene_.physics.rate));
   const auto wanted = static_cast<std::size_t>(clock_.steps(scene_.duration, scene_.sound.sample_rate));
-  while (recording_.audio.size() < wanted) step_sound();
-  recording_.audio.resize(wanted);
-  sound::to_full_scale(recording_.audio, recording_.audio, {scene_.sound.gain_db});
+  std::vector<float>& stereo = recording_.stereo;
+  while (stereo.size() < 2 * wanted) step_sound();
+  stereo.resize(2 * wanted);
+  sound::to_full_scale(stereo, stereo, {scene_.sound.gain_db});
+  for (std::size_t k = 0; k < wanted; ++k)
+    recording_.audio.push_back(0.5f * (stereo[2 * k] + stereo[2 * k + 1]));
   Hash audio;
-  audio.add(std::span<const float>(recording_.audio));
+  audio.add(std::span<const float>(stereo));
   recording_.audio_hash = audio.value();
   recording_.event_hash = event_hash_.value();
   recording_.momentum_residual = world_.momentum_residual();
@@ -376,9 +386,9 @@ ContactEvent Simulation::pen_event(const haptics::ServoSample& sample, double ti
 }
 
 void Simulation::step_sound() {
-  sound_cost_.measure([&] { synthesizer_->render(block_); });
+  sound_cost_.measure([&] { synthesizer_->render_stereo(block_); });
   ++blocks_done_;
-  recording_.audio.insert(recording_.audio.end(), block_.begin(), block_.end());
+  recording_.stereo.insert(recording_.stereo.end(), block_.begin(), block_.end());
 }
 
 }  // namespace intaglio::session
