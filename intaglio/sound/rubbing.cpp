@@ -84,6 +84,7 @@ double Rubbing::meso(const ContactMotion& now, double fade, double dt) {
 bool Rubbing::sample(std::int64_t first, double dt, std::span<float> out) {
   if (std::max(from_.force, to_.force) == 0) return false;
   if (from_.sweep == std::array<double, 2>{} && to_.sweep == std::array<double, 2>{}) return false;
+  if (static_cast<double>(first) * dt >= end_ + resting_fade) return false;
   for (std::size_t k = 0; k < out.size(); ++k) {
     const double time = static_cast<double>(first + static_cast<std::int64_t>(k)) * dt;
     const ContactMotion now = at(std::clamp((time - start_) / (end_ - start_), 0.0, 1.0));
