@@ -11,6 +11,7 @@ namespace {
 
 const Material& material_of(const SoundBody& body) {
   static const Material unknown;
+  if (body.material) return *body.material;
   return body.model ? body.model->material : unknown;
 }
 

@@ -29,6 +29,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -55,6 +56,7 @@ struct SynthesizerOptions {
 struct SoundBody {
   BodyId id = 0;
   std::shared_ptr<const ModalModel> model;  // absent: the body makes no sound
+  std::optional<Material> material;         // unset: the model's, or a dull one
   double mass = 1;                          // kg
   bool is_fixed = false;                    // its mass counts as infinite
   // m, where it touches; flat by default. Relief adds its own curvature.

@@ -1,4 +1,5 @@
-// WAV files: samples in -1..1 (full scale; see level.h), of one channel or interleaved.
+// WAV files, and MP3 for web pages: samples in -1..1 (full scale; see level.h), of one channel or
+// interleaved.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +9,7 @@
 
 namespace intaglio::sound {
 
-enum class WavFormat { pcm_16, pcm_24, float_32 };
+enum class WavFormat { pcm_16, pcm_24, float_32, mp3 };
 
 struct WavOptions {
   WavFormat format = WavFormat::pcm_24;
