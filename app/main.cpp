@@ -31,6 +31,7 @@ int main(int argc, char** argv) {
   intaglio::app::add_inspect(app, common);
   intaglio::app::add_replay(app, common);
   intaglio::app::add_bake(app, common);
+  intaglio::app::add_sound(app, common);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

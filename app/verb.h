@@ -24,6 +24,7 @@ void add_inspect(CLI::App& app, Common& common);
 void add_replay(CLI::App& app, Common& common);
 void add_bake(CLI::App& app, Common& common);
 void add_run(CLI::App& app, Common& common);
+void add_sound(CLI::App& app, Common& common);
 
 // Prints an error as the one line it is; returns the exit code.
 int report(const Error& error);

@@ -24,11 +24,12 @@ struct ContactEvent {
   BodyId body = 0;            // the moving body (ball, pen)
   BodyId other = floor_body;  // the textured body
   ContactPhase phase = ContactPhase::begin;
-  Vec3 point = Vec3::Zero();    // m
-  Vec2 uv = Vec2::Zero();       // where on the texture, 0..1
-  Vec3 n_g = Vec3::UnitY();     // normal of the coarse geometry
-  Vec3 n_s = Vec3::UnitY();     // normal sampled from the texture, or of the relief feature touched
-  Vec3 v_t = Vec3::Zero();      // m/s, velocity of the body along the coarse surface
+  Vec3 point = Vec3::Zero();  // m
+  Vec2 uv = Vec2::Zero();     // where on the texture, 0..1
+  Vec3 n_g = Vec3::UnitY();   // normal of the coarse geometry
+  Vec3 n_s = Vec3::UnitY();   // normal sampled from the texture, or of the relief feature touched
+  Vec3 v_t = Vec3::Zero();    // m/s, velocity of the body along the coarse surface
+  Vec3 spin = Vec3::Zero();   // m/s, what the body's turning adds to v_t where it touches: -v_t when it rolls
   Vec3 impulse = Vec3::Zero();  // N s, on the body, over the step that ends at `time`
   double duration = 0;          // s, the length of that step
   Pose body_pose;               // of `body` at `time`

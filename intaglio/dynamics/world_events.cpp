@@ -32,6 +32,9 @@ ContactEvent World::State::event(const Body& body, BodyId other, const Vec3& poi
   event.n_g = place.n();
   event.n_s = options.representation == Representation::flat ? event.n_g : touched.world_normal(event.uv);
   event.v_t = velocity - velocity.dot(event.n_g) * event.n_g;
+  const Vec3 arm = point - from_bullet(body.rigid->getCenterOfMassPosition());
+  const Vec3 turning = from_bullet(body.rigid->getAngularVelocity()).cross(arm);
+  event.spin = turning - turning.dot(event.n_g) * event.n_g;
   event.impulse = impulse;
   event.duration = dt;
   event.body_pose = drawn_pose(body);

@@ -60,7 +60,8 @@ struct Recording {
   std::vector<haptics::ServoSample> servo;  // one a tick, the first at time 0; empty without a pen
   BodyId pen = 0;                           // 0: no pen
   std::vector<ContactEvent> events;         // in order of time
-  std::vector<float> audio;                 // -1..1
+  std::vector<float> stereo;                // -1..1, interleaved, at the camera
+  std::vector<float> audio;                 // the mean of both sides
   std::vector<KeyFrame> key_frames;
   std::vector<Voice> voices;
 

@@ -192,7 +192,9 @@ Result<Recording> render(const Scene& scene, const RenderJob& job) {
   if (auto drawn = pictures.finish(); !drawn) return tl::unexpected(drawn.error());
 
   Recording recording = std::move((*simulation)->recording());
-  if (auto wav = sound::write_wav(outputs.with(".wav"), recording.audio, recording.sample_rate); !wav)
+  if (auto wav =
+          sound::write_wav(outputs.with(".wav"), recording.stereo, recording.sample_rate, {.channels = 2});
+      !wav)
     return tl::unexpected(wav.error());
   outputs.wrote(outputs.with(".wav"));
   if (auto joined = (*video)->finish(outputs.with(".wav")); !joined) return tl::unexpected(joined.error());

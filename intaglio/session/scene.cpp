@@ -123,6 +123,9 @@ void read_sound(TomlReader& r, SoundScene& sound) {
   r.whole("sample_rate", sound.sample_rate,
           {8000, 192000, false, "a sample rate must be between 8000 Hz and 192000 Hz"});
   r.number("gain_db", sound.gain_db, {-120, 60, false, "a gain must be between -120 dB and 60 dB"});
+  int meso = -1;
+  r.choice("meso", {"engine", "texels", "height"}, meso);
+  if (meso >= 0) sound.meso = static_cast<sound::MesoSource>(meso);
   r.number("micro", sound.micro, at_least_zero("a level must be between 0 and 100", 100));
   r.whole("modes", sound.modes, {1, 2000, false, "between 1 and 2000 modes a body"});
 }

@@ -14,6 +14,7 @@
 #include "intaglio/dynamics/world.h"
 #include "intaglio/haptics/devices/simulated.h"
 #include "intaglio/haptics/servo.h"
+#include "intaglio/sound/synthesizer.h"
 #include "intaglio/surface/import.h"
 
 namespace intaglio::session {
@@ -80,8 +81,9 @@ struct PenScene {
 struct SoundScene {
   int sample_rate = 44100;  // Hz
   double gain_db = 0;
-  double micro = 1;  // level of the fractal noise, of the default's; 0 = off
-  int modes = 120;   // at most, of each body
+  std::optional<sound::MesoSource> meso;  // unset: what suits the representation
+  double micro = 1;                       // level of the fractal noise, of the default's; 0 = off
+  int modes = 120;                        // at most, of each body
 };
 
 struct VideoScene {

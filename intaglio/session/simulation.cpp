@@ -31,6 +31,11 @@ int servo_rate(const Scene& scene) {
 
 }  // namespace
 
+sound::Listener listener_of(const CameraScene& camera) {
+  const Vec3 right = (camera.target - camera.eye).cross(Vec3::UnitY());
+  return {camera.eye, right.norm() > 0 ? Vec3(right.normalized()) : Vec3(Vec3::UnitX())};
+}
+
 haptics::ServoOptions pen_options(const Scene& scene, const Material& floor) {
   const PenScene& pen = *scene.pen;
   haptics::ServoOptions options;
@@ -59,7 +64,7 @@ Simulation::Simulation(const Scene& scene, const SceneSurface& surface)
       grounds_(surface.grounds),
       clock_({scene.physics.rate, servo_rate(scene), scene.sound.sample_rate, scene.video.fps}),
       world_(scene, surface, scene.surface.representation),
-      block_(block_size) {
+      block_(2 * block_size) {
   recording_.title = scene.title;
   recording_.duration = scene.duration;
   recording_.physics_rate = scene.physics.rate;
@@ -92,6 +97,7 @@ Result<void> Simulation::bake() {
   if (!voices) return tl::unexpected(voices.error());
   recording_.voices = std::move(voices->voices);
   synthesizer_ = std::make_unique<sound::Synthesizer>(synthesizer_options(scene_), std::move(voices->bodies));
+  synthesizer_->set_listener(listener_of(scene_.camera));
   recording_.bake_s = static_cast<double>(process_cpu_ns() - start) * 1e-9;
   return {};
 }
@@ -135,11 +141,14 @@ Snapshot Simulation::advance_to_frame(std::int64_t index) {
 void Simulation::finish() {
   run_until(clock_.due(clock_.steps(scene_.duration, scene_.physics.rate), scene_.physics.rate));
   const auto wanted = static_cast<std::size_t>(clock_.steps(scene_.duration, scene_.sound.sample_rate));
-  while (recording_.audio.size() < wanted) step_sound();
-  recording_.audio.resize(wanted);
-  sound::to_full_scale(recording_.audio, recording_.audio, {scene_.sound.gain_db});
+  std::vector<float>& stereo = recording_.stereo;
+  while (stereo.size() < 2 * wanted) step_sound();
+  stereo.resize(2 * wanted);
+  sound::to_full_scale(stereo, stereo, {scene_.sound.gain_db});
+  for (std::size_t k = 0; k < wanted; ++k)
+    recording_.audio.push_back(0.5f * (stereo[2 * k] + stereo[2 * k + 1]));
   Hash audio;
-  audio.add(std::span<const float>(recording_.audio));
+  audio.add(std::span<const float>(stereo));
   recording_.audio_hash = audio.value();
   recording_.event_hash = event_hash_.value();
   recording_.momentum_residual = world_.world().momentum_residual();
@@ -234,9 +243,9 @@ ContactEvent Simulation::pen_event(const haptics::ServoSample& sample, double ti
 }
 
 void Simulation::step_sound() {
-  sound_cost_.measure([&] { synthesizer_->render(block_); });
+  sound_cost_.measure([&] { synthesizer_->render_stereo(block_); });
   ++blocks_done_;
-  recording_.audio.insert(recording_.audio.end(), block_.begin(), block_.end());
+  recording_.stereo.insert(recording_.stereo.end(), block_.begin(), block_.end());
 }
 
 }  // namespace intaglio::session

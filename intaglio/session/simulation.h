@@ -20,6 +20,9 @@
 
 namespace intaglio::session {
 
+// Ears where the camera is.
+sound::Listener listener_of(const CameraScene& camera);
+
 // How the scene's pen is felt on a floor of that material. The scene has a pen.
 haptics::ServoOptions pen_options(const Scene& scene, const Material& floor);
 

@@ -100,7 +100,7 @@ void add_slab(Bakery& bakery, BodyId id, const std::string& name, const SurfaceS
   sound::SoundBody body;
   body.id = id;
   body.is_fixed = true;
-  body.surface = made.surface;
+  if (slab.representation != Representation::flat) body.surface = made.surface;
   body.rest_pose = {
       made.surface->placement().to_world({slab.size.x() / 2, slab.size.y() / 2, -slab.thickness / 2}),
       rotation_of(slab.rotation)};
@@ -192,8 +192,9 @@ sound::SynthesizerOptions synthesizer_options(const Scene& scene) {
   options.sample_rate = scene.sound.sample_rate;
   options.seed = static_cast<std::uint64_t>(scene.seed);
   options.micro_level *= scene.sound.micro;
-  options.meso = scene.surface.representation == Representation::normal ? sound::MesoSource::normal_map
-                                                                        : sound::MesoSource::engine_impulses;
+  options.meso =
+      scene.sound.meso.value_or(scene.surface.representation == Representation::normal ? sound::MesoSource::normal_map
+                                                                                       : sound::MesoSource::engine_impulses);
   return options;
 }
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "intaglio/sound/curvature.h"
 #include "intaglio/sound/meso.h"
 
 namespace intaglio::sound {
@@ -11,43 +11,13 @@ namespace intaglio::sound {
 namespace {
 
 constexpr std::size_t max_crossings = 256;
-constexpr double radius_of_flat_pair = 0.01;  // m: where two flat bodies meet, an edge does
-constexpr double resting_fade = 0.03;         // s
-constexpr double longest_path = 0.25;         // of the texture, in one step; more is a jump
+constexpr double longest_path = 0.25;  // of the texture, in one step; more is a jump
 
 double inverse_mass(const SoundBody& body) {
   return body.is_fixed ? 0 : 1 / body.mass;
 }
 
 }  // namespace
-
-void ContactStep::add(const ContactEvent& event) {
-  if (event.phase == ContactPhase::end) return;
-  has_begin |= event.phase == ContactPhase::begin;
-  impulse += event.impulse;
-  normal_impulse += event.impulse.dot(event.n_g);
-  if (count < max_points) points[count++] = event;
-}
-
-double ContactStep::share(std::size_t i) const {
-  double sum = 0;
-  for (std::size_t k = 0; k < count; ++k) sum += points[k].impulse.norm();
-  return sum > 0 ? points[i].impulse.norm() / sum : 1 / static_cast<double>(count);
-}
-
-const ContactEvent& ContactStep::main_point() const {
-  const auto less = [](const ContactEvent& a, const ContactEvent& b) {
-    return a.impulse.norm() < b.impulse.norm();
-  };
-  return *std::max_element(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count), less);
-}
-
-const ContactEvent& ContactStep::nearest_point(const Vec2& uv) const {
-  const auto less = [&](const ContactEvent& a, const ContactEvent& b) {
-    return (a.uv - uv).norm() < (b.uv - uv).norm();
-  };
-  return *std::min_element(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count), less);
-}
 
 ContactPair::ContactPair(Ensemble& ensemble, const SynthesizerOptions& options)
     : ensemble_(ensemble), options_(options), force_(options.dead_band) {
@@ -60,21 +30,23 @@ ContactPair::ContactPair(Ensemble& ensemble, const SynthesizerOptions& options)
 void ContactPair::meet(int body, int other) {
   const SoundBody &a = ensemble_.body(body), &b = ensemble_.body(other);
   const Material &of_a = ensemble_.material(body), &of_b = ensemble_.material(other);
-  micro_ = &ensemble_.rougher(body, other);
   random_ = Random(options_.seed ^ (std::uint64_t{a.id} << 32 | b.id));
   force_ = ContactForce(options_.dead_band);
   step_ = last_step_ = ContactStep{};
   is_touching_ = false;
-  sliding_ = Sliding{};
   const double inverse = inverse_mass(a) + inverse_mass(b);
   mass_ = inverse > 0 ? 1 / inverse : 1;
-  radius_ = 1 / (1 / a.radius_of_curvature + 1 / b.radius_of_curvature);
-  if (!std::isfinite(radius_)) radius_ = radius_of_flat_pair;
+  radius_ = contact_radius(a.radius_of_curvature, b.radius_of_curvature);
   modulus_ = effective_modulus(of_a, of_b);
   rebound_ = 1 + of_a.restitution * of_b.restitution;
-  micro_level_ = micro_level(of_a.micro, of_b.micro, options_.micro_level);
-  // Pairs that share a table do not sound in step.
-  distance_ = random_.uniform() * micro_->period();
+  const auto rough = [&](int i) {
+    const MicroNoise& noise = ensemble_.noise(i);
+    // Bodies that share a table do not sound in step.
+    return RubbingBody{&noise, micro_level(ensemble_.material(i).micro, options_.micro_level),
+                       random_.uniform() * noise.period()};
+  };
+  rubbing_.meet({rough(body), rough(other)}, options_.meso == MesoSource::height ? b.surface.get() : nullptr,
+                a.mass);
   sides_[0].body = body;
   sides_[1].body = other;
   sides_[1].sign = -1;
@@ -103,14 +75,18 @@ void ContactPair::finish_step(double now) {
     return;
   }
   const Vec3 impulse = force_.step(step_.impulse);
-  const double within = step_.has_begin ? 0.5 : random_.uniform();
   const bool is_first = step_.has_begin || !is_touching_;
+  const ContactEvent& point = is_touching_ ? step_.nearest_point(uv_) : step_.main_point();
+  uv_from_ = uv_;
+  uv_ = point.uv;
+  find_radius(point);
   if (is_first || options_.meso == MesoSource::engine_impulses) {
+    const double within = step_.has_begin ? 0.5 : place_within();
     blow(impulse, std::max(now, step_.start() + within * step_.duration));
   }
   find_gains(step_.main_point().n_g, &Side::normal_gains);
-  if (options_.meso == MesoSource::normal_map) follow_path(now);
-  slide();
+  if (options_.meso == MesoSource::normal_map && finds_path()) cross_texels(now);
+  rub(point);
   is_touching_ = true;
   last_step_ = step_;
   step_ = ContactStep{};
@@ -125,7 +101,7 @@ void ContactPair::part(double now) {
   }
   step_ = ContactStep{};
   is_touching_ = false;
-  sliding_ = Sliding{};
+  rubbing_.part();
 }
 
 // The gains of both bodies for a push along `direction` that is shared by the points of the step as its
@@ -153,60 +129,69 @@ void ContactPair::blow(const Vec3& impulse, double start) {
   for (const Side& side : sides_) ensemble_.strike(side.body, side.blow_gains, shape_of(size, start), size);
 }
 
-void ContactPair::follow_path(double now) {
-  const auto& surface = ensemble_.body(other()).surface;
-  const ContactEvent& point = is_touching_ ? step_.nearest_point(uv_) : step_.main_point();
-  const Vec2 from = uv_;
-  uv_ = point.uv;
-  const bool is_path = is_touching_ && (point.uv - from).cwiseAbs().maxCoeff() <= longest_path;
-  if (!surface || step_.has_begin || !is_path) return;
+// Where the relief is what the engine meets, its curvature decides how hard a blow is.
+void ContactPair::find_radius(const ContactEvent& point) {
+  const SoundBody &a = ensemble_.body(body()), &b = ensemble_.body(other());
+  if (!b.surface || options_.meso == MesoSource::normal_map) return;
+  radius_ =
+      contact_radius(a.radius_of_curvature, b.radius_of_curvature, relief_curvature(*b.surface, point.uv, 0));
+}
+
+// Whether the contact went from where it was to where it is along the surface: more than a quarter of the
+// texture is a jump.
+bool ContactPair::finds_path() {
+  const bool goes_on = is_touching_ && !step_.has_begin;
+  return goes_on && ensemble_.body(other()).surface && (uv_ - uv_from_).cwiseAbs().maxCoeff() <= longest_path;
+}
+
+void ContactPair::cross_texels(double now) {
+  const surface::Surface& surface = *ensemble_.body(other()).surface;
   std::array<MesoImpulse, max_crossings> crossings;
-  const MesoWalk walk =
-      walk_texels(*surface, from, point.uv, ensemble_.body(body()).mass, point.v_t, crossings);
+  const MesoWalk walk = walk_texels(surface, uv_from_, uv_, ensemble_.body(body()).mass,
+                                    step_.nearest_point(uv_).v_t, crossings);
   if (!walk.is_complete) ++truncated_paths_;
   for (std::size_t i = 0; i < walk.count; ++i) {
-    const double impulse = crossings[i].impulse.dot(surface->placement().n());
+    const double impulse = crossings[i].impulse.dot(surface.placement().n());
     const double start = std::max(now, step_.start() + crossings[i].fraction * step_.duration);
     for (const Side& side : sides_)
       ensemble_.strike(side.body, side.normal_gains, shape_of(impulse, start), impulse);
   }
 }
 
-void ContactPair::slide() {
-  const double force = std::max(0.0, step_.normal_impulse) / step_.duration;
-  const double speed = step_.main_point().v_t.norm();
-  const bool goes_on = is_touching_ && !step_.has_begin;
-  sliding_.start = step_.start();
-  sliding_.end = step_.time;
-  // The force of a first touch is the blow's, and has been heard.
-  sliding_.force_from = goes_on ? sliding_.force_to : 0;
-  sliding_.force_to = goes_on ? force : 0;
-  sliding_.speed_from = is_touching_ ? sliding_.speed_to : speed;
-  sliding_.speed_to = speed;
+// When within its step the engine's blow came, 0..1: when the path crossed the sharpest bend of the texture;
+// at a seeded random place when it crossed none, or steps would buzz.
+double ContactPair::place_within() {
+  const double random = random_.uniform();
+  if (!finds_path()) return random;
+  std::array<MesoImpulse, max_crossings> crossings;
+  const MesoWalk walk = walk_texels(*ensemble_.body(other()).surface, uv_from_, uv_, 1,
+                                    step_.nearest_point(uv_).v_t, crossings);
+  const auto end = crossings.begin() + static_cast<std::ptrdiff_t>(walk.count);
+  const auto sharpest = std::max_element(crossings.begin(), end, [](const auto& a, const auto& b) {
+    return a.impulse.squaredNorm() < b.impulse.squaredNorm();
+  });
+  return sharpest == end || sharpest->impulse.isZero() ? random : sharpest->fraction;
+}
+
+void ContactPair::rub(const ContactEvent& point) {
+  ContactMotion to = contact_motion(point.v_t, point.spin);
+  to.force = std::max(0.0, step_.normal_impulse) / step_.duration;
+  to.uv = uv_;
+  if (const auto& surface = ensemble_.body(other()).surface)
+    to.velocity = surface->placement().direction_to_local(point.v_t).head<2>();
+  rubbing_.set_footprint(2 * hertz_patch_radius(to.force, radius_, modulus_));
+  if (is_touching_ && !step_.has_begin) {
+    rubbing_.step(step_.start(), step_.time, to, finds_path());
+  } else {
+    rubbing_.touch(step_.start(), step_.time, to);
+  }
 }
 
 void ContactPair::drive(std::int64_t first, std::size_t samples) {
-  if (micro_level_ == 0 || std::max(sliding_.force_from, sliding_.force_to) == 0) return;
-  if (std::max(sliding_.speed_from, sliding_.speed_to) == 0) return;
-  const double dt = 1 / options_.sample_rate;
-  for (std::size_t k = 0; k < samples; ++k) {
-    const double time = static_cast<double>(first + static_cast<std::int64_t>(k)) * dt;
-    const double t = std::clamp((time - sliding_.start) / (sliding_.end - sliding_.start), 0.0, 1.0);
-    const double force = sliding_.force_from + t * (sliding_.force_to - sliding_.force_from);
-    const double speed = sliding_.speed_from + t * (sliding_.speed_to - sliding_.speed_from);
-    // Past its last step a contact rests (its body sleeps) until a further step or its end is reported: the
-    // noise dies away, slowly enough not to click.
-    const double rest = std::clamp((time - sliding_.end) / resting_fade, 0.0, 1.0);
-    const double fade = 0.5 + 0.5 * std::cos(std::numbers::pi * rest);
-    const double from = distance_;
-    distance_ += speed * fade * dt;
-    noise_[k] = speed > 0 && rest < 1
-                    ? static_cast<float>(micro_level_ * force * fade * micro_->mean(from, distance_) * dt)
-                    : 0.0f;
-  }
+  const std::span<float> noise = std::span(noise_).first(samples);
+  if (!rubbing_.sample(first, 1 / options_.sample_rate, noise)) return;
   for (const Side& side : sides_) {
-    if (side.normal_gains.empty()) continue;
-    ensemble_.drive(side.body, {side.normal_gains, std::span(noise_).first(samples), 0});
+    if (!side.normal_gains.empty()) ensemble_.drive(side.body, {side.normal_gains, noise, 0});
   }
 }
 

@@ -13,31 +13,12 @@
 #include "intaglio/core/event.h"
 #include "intaglio/core/random.h"
 #include "intaglio/sound/contact_force.h"
+#include "intaglio/sound/contact_step.h"
 #include "intaglio/sound/ensemble.h"
-#include "intaglio/sound/micro.h"
+#include "intaglio/sound/rubbing.h"
 #include "intaglio/sound/synthesizer.h"
 
 namespace intaglio::sound {
-
-// All contact points of one pair in the step that ends at `time`.
-struct ContactStep {
-  static constexpr std::size_t max_points = 8;
-
-  double time = 0, duration = 0;  // s
-  bool has_begin = false;
-  std::array<ContactEvent, max_points> points;
-  std::size_t count = 0;        // 0: no contact in this step
-  Vec3 impulse = Vec3::Zero();  // N s, of all points, also of those beyond max_points
-  double normal_impulse = 0;    // N s, along n_g
-
-  double start() const { return time - duration; }
-  void add(const ContactEvent& event);
-  // How much of the step's impulse point i bears; all add up to 1.
-  double share(std::size_t i) const;
-  // The point that bears most, and the one whose uv is nearest to `uv`.
-  const ContactEvent& main_point() const;
-  const ContactEvent& nearest_point(const Vec2& uv) const;
-};
 
 class ContactPair {
  public:
@@ -60,7 +41,7 @@ class ContactPair {
   void finish_step(double now);
   // The contact has ended: what lasted is released.
   void part(double now);
-  // Hands the micro noise of the samples from `first` on to the ensemble.
+  // Hands what lasts in the samples from `first` on to the ensemble.
   void drive(std::int64_t first, std::size_t samples);
 
   std::uint64_t truncated_paths() const { return truncated_paths_; }
@@ -73,35 +54,28 @@ class ContactPair {
     std::vector<float> blow_room, normal_room;      // for the body with most modes
     std::span<float> blow_gains{}, normal_gains{};  // of this one
   };
-  // Micro sound through one step: normal force and speed go linearly from one end to the other.
-  struct Sliding {
-    double start = 0, end = 0;            // s
-    double force_from = 0, force_to = 0;  // N
-    double speed_from = 0, speed_to = 0;  // m/s
-  };
-
   void find_gains(const Vec3& direction, std::span<float> Side::*gains);
   HalfSine shape_of(double impulse, double start) const;
   void blow(const Vec3& impulse, double start);
-  void follow_path(double now);
-  void slide();
+  void find_radius(const ContactEvent& point);
+  bool finds_path();
+  void cross_texels(double now);
+  double place_within();
+  void rub(const ContactEvent& point);
 
   Ensemble& ensemble_;
   SynthesizerOptions options_;
   std::array<Side, 2> sides_;
   // Effective, of Hertz contact; rebound is 1 + restitution.
   double mass_ = 1, radius_ = 1, modulus_ = 1, rebound_ = 1;
-  double micro_level_ = 0;             // noise force per normal force
-  const MicroNoise* micro_ = nullptr;  // of the rougher body
   Random random_{0};
   ContactForce force_;
 
   ContactStep step_;       // being gathered
   ContactStep last_step_;  // finished
   bool is_touching_ = false;
-  Vec2 uv_ = Vec2::Zero();  // where the path of the contact has come to
-  Sliding sliding_;
-  double distance_ = 0;  // m, slid in contact
+  Vec2 uv_from_ = Vec2::Zero(), uv_ = Vec2::Zero();  // the path of the contact through the step
+  Rubbing rubbing_;
   std::array<float, block_samples> noise_;
   std::uint64_t truncated_paths_ = 0;
 };

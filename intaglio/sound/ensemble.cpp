@@ -1,6 +1,9 @@
 #include "intaglio/sound/ensemble.h"
 
 #include <algorithm>
+#include <numbers>
+
+#include "intaglio/sound/acceleration_noise.h"
 
 namespace intaglio::sound {
 
@@ -8,11 +11,8 @@ namespace {
 
 const Material& material_of(const SoundBody& body) {
   static const Material unknown;
+  if (body.material) return *body.material;
   return body.model ? body.model->material : unknown;
-}
-
-double slope(const MicroRoughness& micro) {
-  return micro.rms_height / micro.correlation_length;
 }
 
 }  // namespace
@@ -22,7 +22,13 @@ Ensemble::Member::Member(SoundBody b, const SynthesizerOptions& options)
       pose(body.rest_pose),
       source(body.rest_pose.position),
       micro(std::make_shared<MicroNoise>(material_of(body).micro, options.seed)) {
-  if (body.model) bank.emplace_back(*body.model, options.sample_rate);
+  if (!body.model) return;
+  std::vector<Resonator> modes = ModalBank::resonators(*body.model, options.sample_rate);
+  ringing = static_cast<int>(modes.size());
+  const Resonator click = acceleration_noise(body.model->area);
+  if (!body.is_fixed && body.model->area > 0 && click.damping < std::numbers::pi * options.sample_rate)
+    modes.push_back(click);
+  bank.emplace_back(modes, options.sample_rate);
 }
 
 std::vector<Ensemble::Member> Ensemble::members(std::vector<SoundBody> bodies,
@@ -36,17 +42,17 @@ Ensemble::Ensemble(std::vector<SoundBody> bodies, const SynthesizerOptions& opti
     : sample_rate_(options.sample_rate),
       bodies_(members(std::move(bodies), options)),
       pulses_(options.max_pulses, most_modes()),
+      max_groups_(std::size_t(options.max_modes) / resonator_lanes),
       scratch_(std::size_t(most_modes())),
       impulses_(std::size_t(options.max_pulses)) {
   reserve_drives(0);
+  std::size_t groups = 0;
+  for (const Member& member : bodies_) groups += std::size_t(member.padded_modes()) / resonator_lanes;
+  voices_.reserve(groups);
 }
 
 const Material& Ensemble::material(int i) const {
   return material_of(body(i));
-}
-
-const MicroNoise& Ensemble::rougher(int i, int j) const {
-  return *bodies_[std::size_t(slope(material(i).micro) >= slope(material(j).micro) ? i : j)].micro;
 }
 
 int Ensemble::most_modes() const {
@@ -69,10 +75,12 @@ void Ensemble::add_gains(int i, const Vec3& point, const Vec3& direction, double
                          std::span<float> out) {
   const Member& member = bodies_[std::size_t(i)];
   if (member.bank.empty()) return;
-  const std::span<float> gains = std::span(scratch_).first(std::size_t(member.bank[0].modes()));
+  const std::span<float> gains = std::span(scratch_).first(std::size_t(member.ringing));
   member.body.model->gains(member.pose.to_local(point), member.pose.orientation.conjugate() * direction,
                            gains);
   for (std::size_t m = 0; m < gains.size(); ++m) out[m] += static_cast<float>(weight) * gains[m];
+  if (member.bank[0].modes() > member.ringing)
+    out[gains.size()] += static_cast<float>(weight * acceleration_gain(member.body.mass));
 }
 
 void Ensemble::strike(int i, std::span<const float> gains, const HalfSine& shape, double impulse) {
@@ -139,6 +147,27 @@ void Ensemble::sleep_when_silent() {
   for (Member& member : bodies_) {
     if (!member.bank.empty()) member.bank[0].sleep_when_silent();
   }
+}
+
+void Ensemble::steal_quietest() {
+  std::size_t sounding = 0;
+  for (const Member& member : bodies_) {
+    if (!member.bank.empty()) sounding += std::size_t(member.bank[0].sounding_groups());
+  }
+  if (sounding <= max_groups_) return;
+  voices_.clear();
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (bodies_[i].bank.empty()) continue;
+    const ModalBank& bank = bodies_[i].bank[0];
+    for (int g = 0; g < bank.groups(); ++g) {
+      if (bank.is_sounding(g)) voices_.push_back({bank.loudness(g), static_cast<int>(i), g});
+    }
+  }
+  const auto end = voices_.begin() + static_cast<std::ptrdiff_t>(sounding - max_groups_);
+  std::nth_element(voices_.begin(), end, voices_.end(),
+                   [](const Voice& a, const Voice& b) { return a.loudness < b.loudness; });
+  for (auto voice = voices_.begin(); voice != end; ++voice, ++stolen_)
+    bodies_[std::size_t(voice->body)].bank[0].fade(voice->group);
 }
 
 bool Ensemble::is_silent() const {

@@ -24,8 +24,8 @@ class Ensemble {
   const SoundBody& body(int i) const { return bodies_[std::size_t(i)].body; }
   // Of the model, or the default one.
   const Material& material(int i) const;
-  // The noise of the rougher of two bodies: the one with the greater rms slope.
-  const MicroNoise& rougher(int i, int j) const;
+  // The roughness of its material.
+  const MicroNoise& noise(int i) const { return *bodies_[std::size_t(i)].micro; }
   // -1 when no body has that id.
   int find(BodyId id) const;
   void move(int i, const Pose& pose) { bodies_[std::size_t(i)].pose = pose; }
@@ -49,6 +49,9 @@ class Ensemble {
   // on to `out`: as long, or twice that when it has both ears.
   void render(std::int64_t first, std::size_t samples, std::span<float> out);
   void sleep_when_silent();
+  // Fades out the quietest modes beyond options.max_modes.
+  void steal_quietest();
+  std::uint64_t stolen_groups() const { return stolen_; }
   bool is_silent() const;
   std::uint64_t dropped_pulses() const { return pulses_.dropped(); }
 
@@ -62,10 +65,16 @@ class Ensemble {
     Vec3 source;                  // where it sounds from
     EarGains ears_from, ears_to;  // at the ends of these block_samples
     std::vector<ModalBank> bank;  // one, or none for a body that makes no sound
+    int ringing = 0;              // modes of the model in it; one more is the click of a free body
     std::vector<Drive> drives;    // of the coming block
     std::shared_ptr<const MicroNoise> micro;
   };
   static std::vector<Member> members(std::vector<SoundBody> bodies, const SynthesizerOptions& options);
+  // A group of modes of a body, and how loud it is.
+  struct Voice {
+    float loudness;
+    int body, group;
+  };
   void turn_heads(std::int64_t first);
   void mix(const Member& member, std::int64_t first, std::span<const float> pascals,
            std::span<float> out) const;
@@ -74,6 +83,9 @@ class Ensemble {
   Listener listener_;
   std::vector<Member> bodies_;
   PulsePool pulses_;
+  std::size_t max_groups_;
+  std::vector<Voice> voices_;  // of one look
+  std::uint64_t stolen_ = 0;
   std::vector<float> scratch_;                              // gains of one push
   std::vector<std::array<float, block_samples>> impulses_;  // of each pulse in the block
 };

@@ -21,6 +21,10 @@ double hertz_contact_duration(double mass, double radius, double modulus, double
   return std::clamp(duration, shortest_contact, longest_contact);
 }
 
+double hertz_patch_radius(double force, double radius, double modulus) {
+  return std::cbrt(0.75 * std::max(force, 0.0) * radius / modulus);
+}
+
 double HalfSine::given(double time) const {
   const double phase = std::clamp((time - start) / duration, 0.0, 1.0);
   return 0.5 * (1 - std::cos(std::numbers::pi * phase));

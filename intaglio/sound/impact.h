@@ -21,6 +21,10 @@ double effective_modulus(const Material& a, const Material& b);
 // 1/r2) m, `modulus` E* Pa, `speed` of approach m/s. No speed gives the longest contact.
 double hertz_contact_duration(double mass, double radius, double modulus, double speed);
 
+// a = (3 F R / (4 E*))^(1/3): the radius of the patch over which two bodies touch that are pressed together
+// with `force` (N), m.
+double hertz_patch_radius(double force, double radius, double modulus);
+
 // A half-sine of unit impulse, from `start` on, for `duration` > 0 (s).
 struct HalfSine {
   double start = 0;

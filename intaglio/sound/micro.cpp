@@ -71,8 +71,8 @@ double MicroNoise::mean(double from, double to) const {
   return (integral(to) - integral(from)) / points;
 }
 
-double micro_level(const MicroRoughness& a, const MicroRoughness& b, double level) {
-  return level * std::hypot(a.rms_height / a.correlation_length, b.rms_height / b.correlation_length);
+double micro_level(const MicroRoughness& roughness, double level) {
+  return level * roughness.rms_height / roughness.correlation_length;
 }
 
 }  // namespace intaglio::sound

@@ -40,8 +40,8 @@ class MicroNoise {
   std::vector<double> integral_;  // up to each table point, in units of spacing
 };
 
-// Force noise per normal force: how much of the normal force becomes noise, rms, for a pair of roughnesses:
-// `level` times the rms slope of the pair, sqrt(sum of (rms_height / correlation_length)^2).
-double micro_level(const MicroRoughness& a, const MicroRoughness& b, double level);
+// Force noise per normal force: how much of the normal force becomes noise, rms, where a surface of that
+// roughness is scraped: `level` times its rms slope, rms_height / correlation_length.
+double micro_level(const MicroRoughness& roughness, double level);
 
 }  // namespace intaglio::sound

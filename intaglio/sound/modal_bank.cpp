@@ -1,104 +1,143 @@
 #include "intaglio/sound/modal_bank.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 #include <numbers>
+#include <numeric>
 
 #include "intaglio/sound/denormals.h"
 
 namespace intaglio::sound {
 
-ModalBank::ModalBank(const ModalModel& model, double sample_rate) {
-  const double dt = 1 / sample_rate;
+namespace {
+
+constexpr double fade_time = 2e-3;  // s, in which a group that fades falls by a factor of e
+
+// Lanes in one order, whatever the processor: halves onto halves.
+float sum_of(const float* lanes) {
+  std::array<float, resonator_lanes> x;
+  std::copy_n(lanes, resonator_lanes, x.begin());
+  for (std::size_t half = resonator_lanes / 2; half > 0; half /= 2) {
+    for (std::size_t k = 0; k < half; ++k) x[k] += x[k + half];
+  }
+  return x[0];
+}
+
+}  // namespace
+
+std::vector<Resonator> ModalBank::resonators(const ModalModel& model, double sample_rate) {
   const double limit = 0.95 * std::numbers::pi * sample_rate;
-  while (modes_ < model.modes() && model.angular_frequency[std::size_t(modes_)] < limit) ++modes_;
-  groups_.resize(std::size_t((modes_ + lanes - 1) / lanes));
-  for (int m = 0; m < modes_; ++m) {
-    Group& group = groups_[std::size_t(m / lanes)];
-    const int lane = m % lanes;
-    const auto mode = static_cast<std::size_t>(m);
-    const double omega = model.angular_frequency[mode], d = model.damping[mode];
+  std::vector<Resonator> list;
+  for (std::size_t m = 0; m < model.angular_frequency.size() && model.angular_frequency[m] < limit; ++m)
+    list.push_back({model.angular_frequency[m], model.damping[m], model.radiation[m]});
+  return list;
+}
+
+ModalBank::ModalBank(const ModalModel& model, double sample_rate)
+    : ModalBank(resonators(model, sample_rate), sample_rate) {}
+
+ModalBank::ModalBank(std::span<const Resonator> resonators, double sample_rate)
+    : sample_rate_(sample_rate), modes_(static_cast<int>(resonators.size())) {
+  const double dt = 1 / sample_rate;
+  const std::size_t count = (resonators.size() + resonator_lanes - 1) / resonator_lanes;
+  groups_.resize(count);
+  turns_.resize(count);
+  is_awake_.resize(count);
+  is_fading_.resize(count);
+  all_.resize(count);
+  awake_.reserve(count);
+  std::iota(all_.begin(), all_.end(), 0);
+  for (std::size_t m = 0; m < resonators.size(); ++m) {
+    ResonatorGroup& group = groups_[m / resonator_lanes];
+    const std::size_t lane = m % resonator_lanes;
+    const double omega = resonators[m].angular_frequency, d = resonators[m].damping;
+    const double radiation = resonators[m].radiation;
     const double omega_d = std::sqrt(omega * omega - d * d);
     group.turn_re[lane] = static_cast<float>(std::exp(-d * dt) * std::cos(omega_d * dt));
     group.turn_im[lane] = static_cast<float>(std::exp(-d * dt) * std::sin(omega_d * dt));
-    group.weight_re[lane] = static_cast<float>(model.radiation[mode]);
-    group.weight_im[lane] = static_cast<float>(-model.radiation[mode] * d / omega_d);
+    // w = radiation (1 + i d / omega_d), so that Re(w z) = radiation (Re z - d / omega_d Im z).
+    group.drive_re[lane] = static_cast<float>(radiation);
+    group.drive_im[lane] = static_cast<float>(radiation * d / omega_d);
+    const double weight = radiation * radiation * (1 + d * d / (omega_d * omega_d));
+    unweighted_.push_back(weight > 0 ? 1 / weight : 0);
   }
-}
-
-// Sums what the drives give to one group of modes; false when that is nothing.
-bool ModalBank::gather(std::span<const Drive> drives, std::size_t first_mode, DriveBlock& block) {
-  if (drives.empty()) return false;
-  for (Lanes& at : block) at.setZero();
-  for (const Drive& drive : drives) {
-    const Lanes gain = Eigen::Map<const Lanes>(drive.gains.data() + first_mode);
-    for (std::size_t k = 0; k < drive.impulse.size(); ++k)
-      block[std::size_t(drive.first) + k] += gain * drive.impulse[k];
+  for (std::size_t g = 0; g < count; ++g) {
+    std::copy_n(groups_[g].turn_re, resonator_lanes, turns_[g].re);
+    std::copy_n(groups_[g].turn_im, resonator_lanes, turns_[g].im);
   }
-  return true;
-}
-
-void ModalBank::ring(Group& group, const DriveBlock* drive, DriveBlock& sum, std::size_t samples) {
-  // Copies, because a store to `sum` might for all the compiler knows change the group.
-  const Lanes turn_re = group.turn_re, turn_im = group.turn_im;
-  const Lanes weight_re = group.weight_re, weight_im = group.weight_im;
-  Lanes re = group.re, im = group.im;
-  for (std::size_t n = 0; n < samples; ++n) {
-    const Lanes before = re;
-    re = turn_re * re - turn_im * im;
-    im = turn_re * im + turn_im * before;
-    if (drive) re += (*drive)[n];
-    sum[n] += weight_re * re + weight_im * im;
-  }
-  group.re = re;
-  group.im = im;
 }
 
 void ModalBank::process(std::span<const Drive> drives, std::span<float> out) {
   assert(out.size() <= block_samples);
   const DenormalsAreZero guard;
-  DriveBlock drive, sum;
-  for (Lanes& at : sum) at.setZero();
-  for (std::size_t g = 0; g < groups_.size(); ++g) {
-    const bool is_driven = gather(drives, g * lanes, drive);
-    if (!is_driven && !groups_[g].is_awake) continue;
-    groups_[g].is_awake = true;
-    ring(groups_[g], is_driven ? &drive : nullptr, sum, out.size());
+  if (!drives.empty() && awake_.size() < all_.size()) {
+    awake_.assign(all_.begin(), all_.end());
+    std::fill(is_awake_.begin(), is_awake_.end(), char{1});
   }
-  for (std::size_t n = 0; n < out.size(); ++n) out[n] += sum[n].sum();
+  if (awake_.empty()) return;
+  alignas(64) std::array<float, block_samples * resonator_lanes> sum;
+  std::fill_n(sum.begin(), out.size() * resonator_lanes, 0.0f);
+  ring(groups_, awake_, drives, static_cast<int>(out.size()), sum.data());
+  for (std::size_t n = 0; n < out.size(); ++n) out[n] += sum_of(&sum[n * resonator_lanes]);
+}
+
+float ModalBank::loudness(int group) const {
+  const ResonatorGroup& g = groups_[std::size_t(group)];
+  float most = 0;
+  for (std::size_t lane = 0; lane < resonator_lanes; ++lane)
+    most = std::max(most, std::abs(g.re[lane]) + std::abs(g.im[lane]));
+  return most;
+}
+
+void ModalBank::silence(int group) {
+  ResonatorGroup& g = groups_[std::size_t(group)];
+  std::fill_n(g.re, resonator_lanes, 0.0f);
+  std::fill_n(g.im, resonator_lanes, 0.0f);
+  std::copy_n(turns_[std::size_t(group)].re, resonator_lanes, g.turn_re);
+  std::copy_n(turns_[std::size_t(group)].im, resonator_lanes, g.turn_im);
+  is_awake_[std::size_t(group)] = is_fading_[std::size_t(group)] = 0;
 }
 
 void ModalBank::sleep_when_silent() {
-  for (Group& group : groups_) {
-    if (!group.is_awake) continue;
-    const Lanes weight = group.weight_re.abs() + group.weight_im.abs();
-    const float loudest = (weight * (group.re.abs() + group.im.abs())).maxCoeff();
-    if (loudest > silence_pascal) continue;
-    group.re.setZero();
-    group.im.setZero();
-    group.is_awake = false;
-  }
+  const auto falls_asleep = [this](int group) {
+    if (loudness(group) > silence_pascal) return false;
+    silence(group);
+    return true;
+  };
+  awake_.erase(std::remove_if(awake_.begin(), awake_.end(), falls_asleep), awake_.end());
 }
 
-bool ModalBank::is_silent() const {
-  return std::none_of(groups_.begin(), groups_.end(), [](const Group& group) { return group.is_awake; });
+int ModalBank::sounding_groups() const {
+  return static_cast<int>(
+      std::count_if(awake_.begin(), awake_.end(), [this](int g) { return is_sounding(g); }));
+}
+
+void ModalBank::fade(int group) {
+  if (!is_sounding(group)) return;
+  is_fading_[std::size_t(group)] = 1;
+  const auto faster = static_cast<float>(std::exp(-1 / (fade_time * sample_rate_)));
+  for (std::size_t lane = 0; lane < resonator_lanes; ++lane) {
+    groups_[std::size_t(group)].turn_re[lane] *= faster;
+    groups_[std::size_t(group)].turn_im[lane] *= faster;
+  }
 }
 
 double ModalBank::energy() const {
   double sum = 0;
-  for (const Group& group : groups_) {
-    sum += 0.5 * (group.re.cast<double>().square() + group.im.cast<double>().square()).sum();
+  for (std::size_t m = 0; m < unweighted_.size(); ++m) {
+    const ResonatorGroup& group = groups_[m / resonator_lanes];
+    const double re = group.re[m % resonator_lanes], im = group.im[m % resonator_lanes];
+    sum += 0.5 * (re * re + im * im) * unweighted_[m];
   }
   return sum;
 }
 
 void ModalBank::reset() {
-  for (Group& group : groups_) {
-    group.re.setZero();
-    group.im.setZero();
-    group.is_awake = false;
-  }
+  for (const int group : all_) silence(group);
+  awake_.clear();
 }
 
 }  // namespace intaglio::sound

@@ -6,14 +6,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "intaglio/sound/air.h"
 #include "intaglio/sound/fem/element.h"
 
 namespace intaglio::sound {
 
 namespace {
-
-constexpr double air_density = 1.204;     // kg/m^3, at 20 degrees
-constexpr double speed_of_sound = 343.2;  // m/s
 
 // The surface of the mesh as flat triangles, four to each curved one, with nodes renumbered. Returns the
 // nodes kept.

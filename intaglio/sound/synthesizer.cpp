@@ -11,6 +11,7 @@ namespace intaglio::sound {
 namespace {
 
 constexpr std::size_t reserved_events = 4096;
+constexpr std::int64_t steal_samples = 16 * block_samples;  // between looks at what may be spared
 
 double start_of(const ContactEvent& event) {
   return event.time - event.duration;
@@ -141,6 +142,7 @@ void Synthesizer::Engine::render(std::span<float> out, std::size_t channels) {
     ensemble_.render(sample_, length, out.first(channels * length));
     sample_ += static_cast<Sample>(length);
     if (sample_ % block_samples == 0) ensemble_.sleep_when_silent();
+    if (sample_ % steal_samples == 0) ensemble_.steal_quietest();
     out = out.subspan(channels * length);
   }
 }
@@ -152,6 +154,7 @@ bool Synthesizer::Engine::is_silent() const {
 SynthesizerStatus Synthesizer::Engine::status() const {
   SynthesizerStatus status = status_;
   status.dropped_pulses = ensemble_.dropped_pulses();
+  status.stolen_groups = ensemble_.stolen_groups();
   for (const ContactPair& pair : pairs_) status.truncated_paths += pair.truncated_paths();
   return status;
 }

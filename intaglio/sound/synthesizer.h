@@ -4,10 +4,14 @@
 // by its opposite. What a contact sounds like has three levels (§1.2.5.1):
 //
 // - macro, the first touch: the impulse of its step as one Hertz half-sine in the middle of the step.
-// - meso, while contact lasts: either the engine's impulses (§1.3.3), of which only what is new strikes (see
-//   contact_force.h), each at a seeded random place within its step, because 480 steps a second would
-//   otherwise buzz at 480 Hz; or Eq. 1.4 at every texel that the contact crosses (meso.h).
-// - micro, while contact lasts: fractal noise by distance travelled, level by normal force (micro.h).
+// - meso, while contact lasts: the engine's impulses (§1.3.3), of which only what is new strikes (see
+//   contact_force.h), each where within its step the contact crossed the sharpest bend of the texture; or
+//   Eq. 1.4 at every texel that the contact crosses (meso.h); or Eq. 1.4 sample by sample with the slope of
+//   the height under the contact patch (rubbing.h).
+// - micro, while contact lasts: fractal noise of both surfaces by the distance swept over each, level by
+//   normal force (rubbing.h).
+//
+// A free body that is struck also clicks: its sudden acceleration pushes the air (acceleration_noise.h).
 //
 // An event reports the step that ends at `event.time` and lasts `event.duration`; the points of one pair with
 // equal times are one step, and steps of one pair come in order. A contact lasts until its end is reported:
@@ -17,13 +21,15 @@
 //
 // One thread. render() neither allocates, locks nor throws: at most `max_pulses` blows sound at once (then
 // the smallest is dropped and counted), at most `max_pairs` pairs touch at once (then a new one is dropped
-// and counted), at most 8 points of a step are told apart, at most 256 texel crossings a step. push()
-// allocates only while has_room() is false: when more than 4,096 events wait.
+// and counted), at most `max_modes` modes go on sounding (the quietest are faded out), at most 8 points of a
+// step are told apart, at most 256 texel crossings a step. push() allocates only while has_room() is false:
+// when more than 4,096 events wait.
 #pragma once
 
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -34,7 +40,7 @@
 
 namespace intaglio::sound {
 
-enum class MesoSource { engine_impulses, normal_map };
+enum class MesoSource { engine_impulses, normal_map, height };
 
 struct SynthesizerOptions {
   double sample_rate = 44'100;  // Hz
@@ -44,17 +50,19 @@ struct SynthesizerOptions {
   double dead_band = 1e-3;  // of the lasting impulse; smaller changes are the solver's noise
   int max_pulses = 1024;
   int max_pairs = 256;
+  int max_modes = 60'000;  // that sound at once, of all bodies
 };
 
 struct SoundBody {
   BodyId id = 0;
   std::shared_ptr<const ModalModel> model;  // absent: the body makes no sound
+  std::optional<Material> material;         // unset: the model's, or a dull one
   double mass = 1;                          // kg
   bool is_fixed = false;                    // its mass counts as infinite
-  // m, where it touches; flat by default.
+  // m, where it touches; flat by default. Relief adds its own curvature.
   double radius_of_curvature = std::numeric_limits<double>::infinity();
   Pose rest_pose;                                   // until an event tells where it is
-  std::shared_ptr<const surface::Surface> surface;  // of a textured body, for MesoSource::normal_map
+  std::shared_ptr<const surface::Surface> surface;  // of a textured body, for meso
 };
 
 struct SynthesizerStatus {
@@ -62,6 +70,7 @@ struct SynthesizerStatus {
   std::uint64_t truncated_paths = 0;  // steps with more than 256 texel crossings
   std::uint64_t late_events = 0;      // pushed after their step had been rendered
   std::uint64_t unknown_bodies = 0;   // events that name a body not listed, ignored
+  std::uint64_t stolen_groups = 0;    // of 16 modes, faded out for want of room: raise max_modes
   std::uint64_t dropped_pairs = 0;    // events of pairs for which there was no room: raise max_pairs
 };
 

@@ -157,5 +157,5 @@ TEST_CASE("the mean over a way is the mean of the noise, and a long way has litt
   }
   CHECK(std::abs(noise.mean(0, 0.4 * noise.period())) < 0.1);
   CHECK(noise.mean(h, h) == doctest::Approx(noise.sample(h)));
-  CHECK(micro_level({1e-5, 1e-4, -2}, {0, 1, -2}, 0.5) == doctest::Approx(0.05));
+  CHECK(micro_level({1e-5, 1e-4, -2}, 0.5) == doctest::Approx(0.05));
 }

@@ -38,6 +38,16 @@ std::vector<float> read(const fs::path& path, SF_INFO& info) {
 
 }  // namespace
 
+TEST_CASE("two channels are interleaved") {
+  const Folder folder;
+  const std::vector<float> stereo{0.5f, -0.5f, 0.25f, -0.25f};
+  REQUIRE(write_wav(folder.path / "stereo.wav", stereo, 44'100, {WavFormat::float_32, 2}));
+  SF_INFO info{};
+  CHECK(read(folder.path / "stereo.wav", info) == stereo);
+  CHECK(info.channels == 2);
+  CHECK(info.frames == 2);
+}
+
 TEST_CASE("a WAV file reads back as it was written, to the precision of its format") {
   const Folder folder;
   const fs::path path = folder.path / "new folder" / "a.wav";
@@ -45,7 +55,7 @@ TEST_CASE("a WAV file reads back as it was written, to the precision of its form
   for (const auto& [format, precision] :
        {std::pair{WavFormat::pcm_16, 1.0 / 32768}, std::pair{WavFormat::pcm_24, 1.0 / 8388608},
         std::pair{WavFormat::float_32, 0.0}}) {
-    REQUIRE(write_wav(path, samples, 48'000, format));
+    REQUIRE(write_wav(path, samples, 48'000, {format}));
     SF_INFO info{};
     const std::vector<float> back = read(path, info);
     CHECK(info.samplerate == 48'000);
@@ -60,8 +70,8 @@ TEST_CASE("a WAV file reads back as it was written, to the precision of its form
 
 TEST_CASE("equal sounds are equal files, and PCM clips instead of wrapping") {
   const Folder folder;
-  REQUIRE(write_wav(folder.path / "a.wav", wave(), 44'100, WavFormat::float_32));
-  REQUIRE(write_wav(folder.path / "b.wav", wave(), 44'100, WavFormat::float_32));
+  REQUIRE(write_wav(folder.path / "a.wav", wave(), 44'100, {WavFormat::float_32}));
+  REQUIRE(write_wav(folder.path / "b.wav", wave(), 44'100, {WavFormat::float_32}));
   CHECK(*read_file(folder.path / "a.wav") == *read_file(folder.path / "b.wav"));
   const std::vector<float> loud{2, -2, 0};
   REQUIRE(write_wav(folder.path / "loud.wav", loud, 44'100));

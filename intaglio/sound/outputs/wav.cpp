@@ -13,16 +13,18 @@ namespace fs = std::filesystem;
 
 namespace {
 
-int subformat(WavFormat format) {
+int file_format(WavFormat format) {
   switch (format) {
     case WavFormat::pcm_16:
-      return SF_FORMAT_PCM_16;
+      return SF_FORMAT_WAV | SF_FORMAT_PCM_16;
     case WavFormat::pcm_24:
-      return SF_FORMAT_PCM_24;
+      return SF_FORMAT_WAV | SF_FORMAT_PCM_24;
     case WavFormat::float_32:
-      return SF_FORMAT_FLOAT;
+      return SF_FORMAT_WAV | SF_FORMAT_FLOAT;
+    case WavFormat::mp3:
+      return SF_FORMAT_MPEG | SF_FORMAT_MPEG_LAYER_III;
   }
-  return SF_FORMAT_PCM_24;
+  return SF_FORMAT_WAV | SF_FORMAT_PCM_24;
 }
 
 // What went wrong, or nothing.
@@ -32,7 +34,9 @@ std::string write_all(const fs::path& temporary, std::span<const float> samples,
   sf_command(file, SFC_SET_CLIPPING, nullptr, SF_TRUE);
   // A float file otherwise carries the time of its making in a PEAK chunk.
   sf_command(file, SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);
-  const auto count = static_cast<sf_count_t>(samples.size());
+  double compression = 0.7;  // of MP3 only: about 60 kbit/s a channel
+  sf_command(file, SFC_SET_COMPRESSION_LEVEL, &compression, sizeof compression);
+  const auto count = static_cast<sf_count_t>(samples.size()) / info.channels;
   std::string reason;
   if (sf_writef_float(file, samples.data(), count) != count) reason = sf_strerror(file);
   const int closed = sf_close(file);  // a full disk is often noticed only here
@@ -43,14 +47,14 @@ std::string write_all(const fs::path& temporary, std::span<const float> samples,
 }  // namespace
 
 Result<void> write_wav(const fs::path& path, std::span<const float> samples, int sample_rate,
-                       WavFormat format) {
+                       const WavOptions& options) {
   if (auto writable = check_writable(path); !writable) return writable;
   if (sample_rate <= 0)
     return fail(path.string(), fmt::format("a sample rate of {} Hz", sample_rate), "44100 is usual");
   SF_INFO info{};
-  info.channels = 1;
+  info.channels = options.channels;
   info.samplerate = sample_rate;
-  info.format = SF_FORMAT_WAV | subformat(format);
+  info.format = file_format(options.format);
   const fs::path temporary = temporary_for(path);
   std::error_code error;
   if (const std::string reason = write_all(temporary, samples, info); !reason.empty()) {

@@ -1,0 +1,121 @@
+#include "intaglio/session/sound_page.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "intaglio/core/file.h"
+#include "intaglio/session/progress.h"
+#include "intaglio/session/spectrogram.h"
+#include "intaglio/session/touch_scene.h"
+#include "intaglio/sound/level.h"
+#include "intaglio/sound/outputs/wav.h"
+#include "intaglio/surface/builtin/builtin.h"
+
+namespace intaglio::session {
+
+namespace {
+
+constexpr int picture_width = 200, picture_height = 90;
+constexpr double shown_db = 70;
+constexpr float peak_shown = 0.7f;
+constexpr double quiet_pascal = 20e-6;  // 0 dB SPL
+
+struct Sound {
+  std::string file;      // without extension
+  double peak_db = 0;    // dB SPL at the ears
+  double centre_hz = 0;  // mean frequency of its power
+};
+
+double peak_of(const std::vector<float>& audio) {
+  float peak = 0;
+  for (const float x : audio) peak = std::max(peak, std::abs(x));
+  return double(peak);
+}
+
+Image8 picture(const Spectrogram& spectrogram, double duration) {
+  SpectrogramView view;
+  view.duration = duration;
+  view.low_hz = 60;
+  view.high_hz = 18'000;
+  const auto loudest = std::max_element(spectrogram.power.begin(), spectrogram.power.end());
+  view.top_db = loudest == spectrogram.power.end() ? 0 : level_db(double(*loudest), -200);
+  view.floor_db = view.top_db - shown_db;
+  return spectrogram_image(spectrogram, view, picture_width, picture_height);
+}
+
+Result<Sound> make_sound(const SoundPageJob& job, const std::string& texture, Touch touch) {
+  auto recording = play(touch_scene(touch, texture));
+  if (!recording) return tl::unexpected(recording.error());
+  std::vector<float>& audio = recording->audio;
+  Sound sound{texture + "_" + touch_name(touch)};
+  const double peak = peak_of(audio);
+  if (!(peak > 0)) return fail(texture, "makes no sound when it gets a " + touch_name(touch));
+  sound.peak_db = 20 * std::log10(peak * sound::full_scale_pascal / quiet_pascal);
+  const Spectrogram spectrogram = make_spectrogram(audio, recording->sample_rate, 1024);
+  double power = 0;
+  const std::vector<double> spectrum = mean_spectrum(spectrogram);
+  for (std::size_t bin = 0; bin < spectrum.size(); ++bin) {
+    power += spectrum[bin];
+    sound.centre_hz += spectrum[bin] * double(bin) * spectrogram.bin_hz();
+  }
+  sound.centre_hz /= power;
+  for (float& x : audio) x *= peak_shown / float(peak);
+  const auto path = [&](const char* extension) { return job.folder / (sound.file + extension); };
+  if (auto written = write_file(path(".png"), encode_png(picture(spectrogram, recording->duration)));
+      !written)
+    return tl::unexpected(written.error());
+  if (auto written = sound::write_wav(path(".mp3"), audio, recording->sample_rate, {sound::WavFormat::mp3});
+      !written)
+    return tl::unexpected(written.error());
+  return sound;
+}
+
+std::string cell(const Sound& sound) {
+  return fmt::format(
+      "<td><img src=\"{0}.png\" width=\"{1}\" height=\"{2}\" alt=\"spectrogram\"><br>"
+      "<audio controls preload=\"none\" src=\"{0}.mp3\"></audio><br>"
+      "<small>{3:.0f} dB SPL peak, centre {4:.1f} kHz</small></td>\n",
+      sound.file, picture_width, picture_height, sound.peak_db, sound.centre_hz / 1000);
+}
+
+constexpr const char* head =
+    "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Intaglio: materials heard</title>\n"
+    "<meta name=\"viewport\" content=\"width=device-width\">\n"
+    "<style>body{font:15px/1.45 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem}"
+    "td,th{padding:.5rem;vertical-align:top;text-align:left}audio{width:200px;height:32px}"
+    "small{color:#666}img{border-radius:3px}</style></head><body>\n"
+    "<h1>Materials heard</h1>\n"
+    "<p>Each built-in texture on a slab of 50 × 50 × 3 cm: a steel ball of 4 cm falls on it from 15 cm, a wooden pen is "
+    "dragged over it at 15 cm/s, and the ball rolls over it at 0.6 m/s; heard from half a metre. All of it is "
+    "synthesised from the relief, the material and the contacts of the simulation. The players are brought to one "
+    "level; the true one is printed. Spectrograms: 0 to 2 s, 60 Hz to 18 kHz on a logarithmic axis, 70 dB.</p>\n"
+    "<table><tr><th></th><th>struck</th><th>scraped</th><th>rolled on</th></tr>\n";
+
+}  // namespace
+
+Result<void> make_sound_page(const SoundPageJob& job) {
+  if (auto writable = check_writable(job.folder / "index.html"); !writable) return writable;
+  std::vector<std::string> textures = job.textures;
+  if (textures.empty()) textures = surface::builtin_names();
+  Progress progress("sound page", job.quiet);
+  std::string html = head;
+  const double all = double(textures.size() * touches.size());
+  double done = 0;
+  for (const std::string& texture : textures) {
+    html += fmt::format("<tr><th>{}</th>\n", texture);
+    for (const Touch touch : touches) {
+      progress.update(done++ / all, texture + ", " + touch_name(touch));
+      const auto sound = make_sound(job, texture, touch);
+      if (!sound) return tl::unexpected(sound.error());
+      html += cell(*sound);
+    }
+    html += "</tr>\n";
+  }
+  html += "</table>\n<p>Made by <code>intaglio sound page -o DIR</code>.</p></body></html>\n";
+  progress.update(1, "written");
+  return write_file(job.folder / "index.html", html);
+}
+
+}  // namespace intaglio::session

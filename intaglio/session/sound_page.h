@@ -1,0 +1,21 @@
+// A page on which every built-in texture can be heard: struck, scraped and rolled on, with spectrograms.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "intaglio/core/error.h"
+
+namespace intaglio::session {
+
+struct SoundPageJob {
+  std::filesystem::path folder;       // gets index.html, and an .mp3 and a .png each
+  std::vector<std::string> textures;  // empty: all built-in ones
+  bool quiet = false;
+};
+
+// Some 2 s of CPU time a sound. Sounds are brought to one peak level; the page names the true one.
+Result<void> make_sound_page(const SoundPageJob& job);
+
+}  // namespace intaglio::session

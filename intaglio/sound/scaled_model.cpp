@@ -1,0 +1,40 @@
+#include "intaglio/sound/scaled_model.h"
+
+#include <cassert>
+#include <cmath>
+
+namespace intaglio::sound {
+
+ModalModel scaled(const ModalModel& model, double scale) {
+  assert(scale > 0);
+  ModalModel out;
+  out.name = model.name;
+  out.material = model.material;
+  out.mass = model.mass * std::pow(scale, 3);
+  out.area = model.area * scale * scale;
+  out.residual = model.residual;
+  out.triangles = model.triangles;
+  for (const Vec3& point : model.points) out.points.push_back(scale * point);
+  out.grid = TriangleGrid(out.points, out.triangles);
+
+  const double shape_scale = std::pow(scale, -1.5);
+  std::vector<std::size_t> kept;
+  for (std::size_t m = 0; m < model.angular_frequency.size(); ++m) {
+    const double omega = model.angular_frequency[m] / scale;
+    const double d = 0.5 * (model.material.rayleigh_alpha + model.material.rayleigh_beta * omega * omega);
+    if (d >= omega) continue;
+    kept.push_back(m);
+    out.angular_frequency.push_back(omega);
+    out.damping.push_back(d);
+    const double rms = model.radiation[m] / radiation_weight(model.angular_frequency[m], model.area, 1);
+    out.radiation.push_back(radiation_weight(omega, out.area, rms * shape_scale));
+  }
+  const std::size_t modes = model.angular_frequency.size();
+  for (std::size_t row = 0; row < 3 * model.points.size(); ++row) {
+    for (const std::size_t m : kept)
+      out.shapes.push_back(static_cast<float>(shape_scale) * model.shapes[row * modes + m]);
+  }
+  return out;
+}
+
+}  // namespace intaglio::sound
