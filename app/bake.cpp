@@ -66,7 +66,7 @@ Result<sound::FilledSurface> make_elements(const Options& options, const Materia
   const auto body = sound::body_surface(*mesh, options.mesh);
   if (!body) return tl::unexpected(body.error());
   const double size = sound::element_size(body->volume, body->area, material, modes);
-  return sound::fill_surface(*mesh, *body, {size, options.elements}, options.mesh);
+  return sound::fill_surface(*body, {size, options.elements}, options.mesh);
 }
 
 nlohmann::json as_json(const sound::ModalModel& model, const sound::FilledSurface& body, const Costs& costs) {
