@@ -12,7 +12,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-constexpr double tolerance = 1e-9;  // of a Ritz value, relative; the error of the value itself is its square
+constexpr double tolerance = 1e-8;  // of a Ritz value, relative; the error of the value itself is its square
 
 }  // namespace
 

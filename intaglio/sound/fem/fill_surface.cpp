@@ -21,6 +21,8 @@ constexpr double max_lattice_points = 2e6;
 constexpr double loose_share = 0.01;  // of the volume: a smaller loose part is a crumb of the lattice
 constexpr double lid_share = 0.15;  // of the boundary: where so much of it has no surface near, it is made up
 constexpr double lid_distance = 0.3;  // of a cell: what is farther from the surface is not it
+constexpr double thin_extent = 2.2;    // of the thickness: a square bar is twice as wide as 2 V / A
+constexpr double flattest_cell = 2;    // of the thickness, its length
 constexpr double max_rescaling = 0.05;
 constexpr double least_jacobian = 0.1;  // of the mean over the element
 
@@ -175,7 +177,13 @@ Result<LatticeBox> choose_lattice(const BodySurface& body, const Mat3& to_frame,
   const double size = std::max(options.element_size, smallest);
   // Twice volume over area is a plate's thickness and two thirds of a ball's radius.
   const double thickness = 2 * body.volume / body.area;
-  const LatticeBox box(bounds.min(), bounds.max(), std::min(size, thickness));
+  // A plate or a bar that lies along the axes may have flat cells: waves run along it, not through it.
+  Vec3 wanted = Vec3::Constant(std::min(size, thickness));
+  const auto is_thin = (bounds.sizes().array() < thin_extent * thickness).eval();
+  for (int axis = 0; axis < 3; ++axis) {
+    if (is_thin.any() && !is_thin[axis]) wanted[axis] = std::min(size, flattest_cell * thickness);
+  }
+  const LatticeBox box(bounds.min(), bounds.max(), wanted);
   const double cell = std::cbrt(box.cell.prod());
   const double elements = body.volume * tets_per_cell / (cell * cell * cell);
   if (elements > 1.5 * options.max_elements || box.points() > max_lattice_points)

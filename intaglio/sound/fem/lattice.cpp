@@ -216,12 +216,12 @@ class Stuffing {
 
 }  // namespace
 
-LatticeBox::LatticeBox(const Vec3& low_corner, const Vec3& high_corner, double wanted)
-    : low(low_corner), high(high_corner), cell(Vec3::Constant(wanted)), cells{1, 1, 1} {
+LatticeBox::LatticeBox(const Vec3& low_corner, const Vec3& high_corner, const Vec3& wanted)
+    : low(low_corner), high(high_corner), cell(wanted), cells{1, 1, 1} {
   for (std::size_t k = 0; k < 3; ++k) {
     const auto axis = static_cast<Eigen::Index>(k);
     const double extent = high[axis] - low[axis];
-    cells[k] = static_cast<int>(std::clamp(std::round(extent / wanted), 1.0, 1e6));
+    cells[k] = static_cast<int>(std::clamp(std::round(extent / wanted[axis]), 1.0, 1e6));
     if (extent > 0) cell[axis] = extent / cells[k];
   }
 }

@@ -23,7 +23,7 @@ struct LatticeBox {
   std::array<int, 3> cells;  // that fit between low and high, at least 1 each
 
   // With cells as near to `cell` as whole numbers of them allow.
-  LatticeBox(const Vec3& low, const Vec3& high, double cell);
+  LatticeBox(const Vec3& low, const Vec3& high, const Vec3& cell);
   double points() const;  // about so many lattice points
 };
 

@@ -68,7 +68,7 @@ Result<Modes> modes_at(const ElasticSystem& system, const ModeOptions& options, 
     if (lanczos.size() < next_check && !lanczos.is_full()) continue;
     lanczos.project();
     if (options.progress) options.progress(std::min(1.0, double(lanczos.converged()) / double(wanted)));
-    next_check = lanczos.size() + std::max<Index>(BlockLanczos::block_size, lanczos.size() / 6);
+    next_check = lanczos.size() + std::max<Index>(BlockLanczos::block_size, lanczos.size() / 12);
   } while (!is_done());
 
   const Index found = lanczos.converged();
@@ -85,6 +85,8 @@ Result<Modes> modes_at(const ElasticSystem& system, const ModeOptions& options, 
   Modes modes;
   modes.angular_frequency.resize(end - first);
   for (Index i = first; i < end; ++i) modes.angular_frequency[i - first] = std::sqrt(eigenvalue(i));
+  for (Index i = 0; i < rigid; ++i)
+    modes.highest_rigid = std::max(modes.highest_rigid, std::sqrt(std::abs(eigenvalue(i))));
   modes.shape = lanczos.ritz_vectors(first, end - first);
   fix_signs(modes.shape);
   modes.residual = worst_residual(system, modes);

@@ -22,6 +22,7 @@ struct ModeOptions {
 struct Modes {
   Eigen::VectorXd angular_frequency;  // rad/s, ascending
   Eigen::MatrixXd shape;              // one mode a column, kg^-1/2; the first large component is positive
+  double highest_rigid = 0;           // rad/s, of the six modes that should be 0
   double residual = 0;                // the worst |K u - lambda M u| / (lambda |M u|)
 };
 
