@@ -45,7 +45,7 @@ double worst_residual(const ElasticSystem& system, const Modes& modes) {
 Result<Modes> modes_at(const ElasticSystem& system, const ModeOptions& options, double shift) {
   const double lowest = eigenvalue_of(options.min_frequency), highest = eigenvalue_of(options.max_frequency);
   const double rigid_limit = -1e-6 * shift;
-  const auto shifted = Factorisation::of(system, shift, Definiteness::positive);
+  auto shifted = Factorisation::of(system, shift, Definiteness::positive);
   if (!shifted) return tl::unexpected(shifted.error());
 
   const Index wanted = options.count + rigid_count;
@@ -82,6 +82,10 @@ Result<Modes> modes_at(const ElasticSystem& system, const ModeOptions& options, 
   while (first < found && eigenvalue(first) < lowest) ++first;
   for (end = first; end < found && end - first < options.count && eigenvalue(end) <= highest;) ++end;
 
+  {
+    // At a million degrees of freedom the factors are 4 GB; what follows does without.
+    const Factorisation done = std::move(*shifted);
+  }
   Modes modes;
   modes.angular_frequency.resize(end - first);
   for (Index i = first; i < end; ++i) modes.angular_frequency[i - first] = std::sqrt(eigenvalue(i));
@@ -104,7 +108,8 @@ Result<Modes> free_modes(const ElasticSystem& system, const ModeOptions& options
   // A large or thin body has its modes so much lower that they look alike from there, or rigid: then come
   // nearer.
   Result<Modes> first = modes_at(system, options, -eigenvalue_of(options.max_frequency / 20));
-  for (const double nearer : {200.0, 2000.0, 20000.0}) {
+  // One far smaller has none in the range, but only from farther away can that be told.
+  for (const double nearer : {200.0, 2000.0, 20000.0, 0.01}) {
     if (first) break;
     if (auto modes = modes_at(system, options, -eigenvalue_of(options.max_frequency / nearer))) return modes;
   }
