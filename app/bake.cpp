@@ -2,12 +2,13 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
-#include <chrono>
+#include <cmath>
 #include <ctime>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <set>
 
 #include "app/verb.h"
 #include "intaglio/core/file.h"
@@ -29,6 +30,7 @@ struct Options {
   int elements = 40'000;
   double max_frequency = 20'000;
   double scale = 1;
+  double element_size = 0;
   bool json = false;
 };
 
@@ -45,17 +47,35 @@ struct Stopwatch {
   double cpu_s() const { return seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu; }
 };
 
+// What to fill, and how many vertices its surface has.
+struct Body {
+  sound::FilledSurface filled;
+  std::size_t surface_vertices = 0;
+};
+
 struct Costs {
   double mesh_s = 0, modes_s = 0, total_s = 0, cpu_s = 0;
 };
 
-Result<sound::FilledSurface> make_elements(const Options& options, const Material& material,
-                                           const sound::ModeOptions& modes) {
+std::size_t surface_nodes(const sound::TetMesh& mesh) {
+  std::set<int> nodes;
+  for (const sound::Triangle6& face : mesh.boundary) nodes.insert(face.begin(), face.end());
+  return nodes.size();
+}
+
+Result<Body> make_elements(const Options& options, const Material& material,
+                           const sound::ModeOptions& modes) {
+  const auto size_for = [&](double volume, double area) {
+    return options.element_size > 0 ? options.element_size
+                                    : sound::element_size(volume, area, material, modes);
+  };
   if (sound::is_solid_shape(options.mesh)) {
     const auto shape = sound::solid_shape(options.mesh);
     if (!shape) return tl::unexpected(shape.error());
-    const double size = sound::element_size(shape->volume(), shape->area(), material, modes);
-    return sound::FilledSurface{shape->mesh(size, options.elements), size, {}};
+    const double size = size_for(shape->volume(), shape->area());
+    Body body{{shape->mesh(size, options.elements), size, {}}};
+    body.surface_vertices = surface_nodes(body.filled.mesh);
+    return body;
   }
   auto mesh = surface::read_mesh(options.mesh, surface::MeshUse::shape);
   if (!mesh) return tl::unexpected(mesh.error());
@@ -63,13 +83,20 @@ Result<sound::FilledSurface> make_elements(const Options& options, const Materia
     return note.find("normals were missing") != std::string::npos;
   });
   for (Vec3& position : mesh->positions) position *= options.scale;
-  const auto body = sound::body_surface(*mesh, options.mesh);
-  if (!body) return tl::unexpected(body.error());
-  const double size = sound::element_size(body->volume, body->area, material, modes);
-  return sound::fill_surface(*mesh, *body, {size, options.elements}, options.mesh);
+  const auto surface = sound::body_surface(*mesh, options.mesh);
+  if (!surface) return tl::unexpected(surface.error());
+  auto filled =
+      sound::fill_surface(*surface, {size_for(surface->volume, surface->area), options.elements}, options.mesh);
+  if (!filled) return tl::unexpected(filled.error());
+  return Body{std::move(*filled), surface->points.size()};
 }
 
-nlohmann::json as_json(const sound::ModalModel& model, const sound::FilledSurface& body, const Costs& costs) {
+// What the dense method would need for K alone: three degrees of freedom a surface vertex, in doubles.
+double dense_gigabytes(std::size_t vertices) {
+  return 8.0 * std::pow(3.0 * double(vertices), 2) / std::pow(1024.0, 3);
+}
+
+nlohmann::json as_json(const sound::ModalModel& model, const Body& body, const Costs& costs) {
   std::vector<double> frequencies;
   for (const double omega : model.angular_frequency) frequencies.push_back(omega / (2 * std::numbers::pi));
   rusage usage{};
@@ -80,11 +107,14 @@ nlohmann::json as_json(const sound::ModalModel& model, const sound::FilledSurfac
           {"material", model.material.name},
           {"mass", model.mass},
           {"area", model.area},
-          {"nodes", body.mesh.nodes.size()},
-          {"elements", body.mesh.tets.size()},
-          {"element_size", body.element_size},
+          {"nodes", body.filled.mesh.nodes.size()},
+          {"elements", body.filled.mesh.tets.size()},
+          {"element_size", body.filled.element_size},
           {"surface_points", model.points.size()},
-          {"notes", body.notes},
+          {"shape_error", model.shape_error},
+          {"surface_vertices", body.surface_vertices},
+          {"dense_method_gb", dense_gigabytes(body.surface_vertices)},
+          {"notes", body.filled.notes},
           {"mesh_seconds", costs.mesh_s},
           {"modes_seconds", costs.modes_s},
           {"seconds", costs.total_s},
@@ -99,9 +129,11 @@ void summarise(const nlohmann::json& result, const Options& options) {
              options.output, f.size(), f.front().get<double>(), f.back().get<double>(),
              result["elements"].get<int>(), result["nodes"].get<int>(), result["mass"].get<double>(),
              result["residual"].get<double>());
-  fmt::print("{:.1f} s ({:.1f} s of them for the mesh), {:.1f} CPU-s, {:.0f} MB\n",
+  fmt::print("{:.1f} s ({:.1f} s of them for the mesh), {:.1f} CPU-s, {:.0f} MB (a dense matrix over {} surface "
+             "vertices: {:.3g} GB)\n",
              result["seconds"].get<double>(), result["mesh_seconds"].get<double>(),
-             result["cpu_seconds"].get<double>(), result["peak_memory_mb"].get<double>());
+             result["cpu_seconds"].get<double>(), result["peak_memory_mb"].get<double>(),
+             result["surface_vertices"].get<int>(), result["dense_method_gb"].get<double>());
 }
 
 int run(const Options& options, const Common& common) {
@@ -116,10 +148,10 @@ int run(const Options& options, const Common& common) {
   if (!body) return report(body.error());
   Costs costs;
   costs.mesh_s = all.wall_s();
-  progress.update(0.15, fmt::format("{} elements", body->mesh.tets.size()));
+  progress.update(0.15, fmt::format("{} elements", body->filled.mesh.tets.size()));
   modes.progress = [&](double done) { progress.update(0.3 + 0.65 * done, "modes"); };
   const auto model =
-      sound::bake(body->mesh, *material, {std::filesystem::path(options.mesh).stem().string(), modes});
+      sound::bake(body->filled.mesh, *material, {std::filesystem::path(options.mesh).stem().string(), modes});
   if (!model) return report({options.mesh, model.error().message(), ""});
   if (model->modes() == 0) {
     return report(
@@ -163,6 +195,9 @@ void add_bake(CLI::App& app, Common& common) {
   verb->add_option("--elements", options->elements, "At most about so many tetrahedra")
       ->check(CLI::Range(100, 1'000'000))
       ->capture_default_str();
+  verb->add_option("--element-size", options->element_size,
+                   "Metres; by default a fifth of the shortest wave, which is all that the modes need")
+      ->check(CLI::Range(1e-5, 10.0));
   verb->add_option("--scale", options->scale, "Metres in a unit of the file")
       ->check(CLI::Range(1e-6, 1e6))
       ->capture_default_str();

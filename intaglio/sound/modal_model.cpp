@@ -8,6 +8,7 @@
 
 #include "intaglio/sound/air.h"
 #include "intaglio/sound/fem/element.h"
+#include "intaglio/sound/sample_surface.h"
 
 namespace intaglio::sound {
 
@@ -145,11 +146,12 @@ Result<ModalModel> bake(const TetMesh& mesh, const Material& material, const Bak
   }
   take_shapes(modes->shape, ringing, take_surface(mesh, model), model);
   model.area = surface_area(model);
-  model.grid = TriangleGrid(model.points, model.triangles);
   for (int m = 0; m < model.modes(); ++m) {
     model.radiation.push_back(
         radiation_weight(model.angular_frequency[std::size_t(m)], model.area, normal_rms(model, m)));
   }
+  sample_surface(model, options.sample);
+  model.grid = TriangleGrid(model.points, model.triangles);
   return model;
 }
 

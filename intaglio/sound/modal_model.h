@@ -30,10 +30,13 @@ struct ModalModel {
   std::vector<double> damping;            // d, 1/s; always below omega
   std::vector<double> radiation;          // Pa at 1 m for a modal velocity of 1; see radiation_weight
 
-  std::vector<Vec3> points;         // of the surface: corners and mid-edge nodes
+  std::vector<Vec3> points;         // of the surface, as many as sound needs
   std::vector<Triangle> triangles;  // outward
   std::vector<float> shapes;        // point by point: x of every mode, then y, then z
   TriangleGrid grid;
+  // Of shapes between the points, linear over the triangles, against those of the elements: root mean square
+  // over the surface, relative, of the worst mode.
+  double shape_error = 0;
 
   int modes() const { return static_cast<int>(angular_frequency.size()); }
   Vec3 shape(int point, int mode) const;
@@ -44,9 +47,16 @@ struct ModalModel {
   void gains(const Vec3& point_local, const Vec3& direction_local, std::span<float> out) const;
 };
 
+// How finely the surface is sampled (sample_surface.h).
+struct SampleOptions {
+  double shape_error = 0.06;  // at most, at any point, of a mode's largest displacement; 0: every node is kept
+  double distance = 0.004;    // of the bounding box's diagonal, between the old surface and the new
+};
+
 struct BakeOptions {
   std::string name;
   ModeOptions modes;
+  SampleOptions sample = {};
 };
 
 // Modal analysis of a free body. Overdamped modes do not ring and are left out. Takes seconds: see

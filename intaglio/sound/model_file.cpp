@@ -67,7 +67,8 @@ Result<void> check_modes(const ModalModel& model, const std::string& name) {
     last = omega;
   }
   if (!is_finite(model.material) || !(model.mass > 0 && std::isfinite(model.mass)) ||
-      !(model.area > 0 && std::isfinite(model.area)) || !std::isfinite(model.residual))
+      !(model.area > 0 && std::isfinite(model.area)) || !std::isfinite(model.residual) ||
+      !std::isfinite(model.shape_error))
     return fail(name, "its material, mass or area is not a number that can be");
   return {};
 }
@@ -116,7 +117,7 @@ std::vector<std::uint8_t> model_bytes(const ModalModel& model) {
   const auto shapes = builder.CreateVector(model.shapes);
   file::FinishModelBuffer(
       builder, file::CreateModel(builder, name, material, model.mass, model.area, model.residual, frequency,
-                                 damping, radiation, point_list, face_list, shapes));
+                                 damping, radiation, point_list, face_list, shapes, model.shape_error));
   return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
 }
 
@@ -137,6 +138,7 @@ Result<ModalModel> parse_model(std::span<const std::uint8_t> bytes, const std::s
   model.mass = from.mass();
   model.area = from.area();
   model.residual = from.residual();
+  model.shape_error = from.shape_error();
   model.angular_frequency = copied<double>(*from.angular_frequency());
   model.damping = copied<double>(*from.damping());
   model.radiation = copied<double>(*from.radiation());

@@ -46,30 +46,90 @@ TriangleGrid::TriangleGrid(const std::vector<Vec3>& points, const std::vector<Tr
   cells_ = (bounds.sizes() / cell_size_).array().ceil().cast<int>().max(1).min(cells_along_longest_side);
 
   const double half_diagonal = 0.5 * std::sqrt(3.0) * cell_size_;
-  std::vector<double> distance(triangles.size());
-  for (int cell = 0; cell < cells_.prod(); ++cell) {
+  const double near = half_diagonal + cell_size_;  // a cell whose middle is farther away is not asked
+  const auto middle = [&](int cell) {
     const Vec3 index(cell % cells_[0], cell / cells_[0] % cells_[1], cell / (cells_[0] * cells_[1]));
-    const Vec3 middle = low_ + cell_size_ * (index + Vec3::Constant(0.5));
-    for (std::size_t t = 0; t < triangles.size(); ++t)
-      distance[t] = distance_to(middle, triangles[t], points);
-    const auto nearest = std::min_element(distance.begin(), distance.end());
+    return Vec3(low_ + cell_size_ * (index + Vec3::Constant(0.5)));
+  };
+  // A point of the cell is within half a diagonal of the middle, and so is its distance to any triangle: those
+  // count that are no farther from the middle than the nearest one and a whole diagonal.
+  std::vector<std::vector<std::pair<double, int>>> found(static_cast<std::size_t>(cells_.prod()));
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    Eigen::AlignedBox3d box;
+    for (const int p : triangles[t]) box.extend(points[std::size_t(p)]);
+    const double reach = near + 2 * half_diagonal;
+    const Eigen::Vector3i from = index_of(box.min() - Vec3::Constant(reach)),
+                          to = index_of(box.max() + Vec3::Constant(reach));
+    for (int z = from[2]; z <= to[2]; ++z) {
+      for (int y = from[1]; y <= to[1]; ++y) {
+        for (int x = from[0]; x <= to[0]; ++x) {
+          const int cell = (z * cells_[1] + y) * cells_[0] + x;
+          if (box.exteriorDistance(middle(cell)) > reach) continue;
+          const double distance = distance_to(middle(cell), triangles[t], points);
+          if (distance <= reach) found[std::size_t(cell)].emplace_back(distance, static_cast<int>(t));
+        }
+      }
+    }
+  }
+  std::vector<int> nearest(found.size(), -1);
+  for (std::size_t cell = 0; cell < found.size(); ++cell) {
+    if (!found[cell].empty())
+      nearest[cell] = std::min_element(found[cell].begin(), found[cell].end())->second;
+  }
+  spread(nearest, [&](int cell, int t) { return distance_to(middle(cell), triangles[std::size_t(t)], points); });
+  for (std::size_t cell = 0; cell < found.size(); ++cell) {
     start_.push_back(static_cast<int>(candidates_.size()));
-    candidates_.push_back(static_cast<int>(nearest - distance.begin()));
-    if (*nearest > half_diagonal + cell_size_) continue;
-    // A point of the cell is within half a diagonal of the middle, and so is its distance to any triangle.
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-      if (distance[t] <= *nearest + 2 * half_diagonal) candidates_.push_back(static_cast<int>(t));
+    candidates_.push_back(nearest[cell]);
+    const double least = distance_to(middle(int(cell)), triangles[std::size_t(nearest[cell])], points);
+    if (least > near) continue;
+    for (const auto& [distance, t] : found[cell]) {
+      if (distance <= least + 2 * half_diagonal && t != nearest[cell]) candidates_.push_back(t);
     }
   }
   start_.push_back(static_cast<int>(candidates_.size()));
 }
 
-int TriangleGrid::cell_of(const Vec3& p) const {
-  std::array<int, 3> index{};
+// Gives every cell without a nearest triangle the best one of its neighbours', wave by wave.
+template <class Distance>
+void TriangleGrid::spread(std::vector<int>& nearest, Distance distance) const {
+  std::vector<int> front;
+  for (std::size_t cell = 0; cell < nearest.size(); ++cell) {
+    if (nearest[cell] < 0) front.push_back(static_cast<int>(cell));
+  }
+  while (!front.empty()) {
+    std::vector<int> left;
+    std::vector<std::pair<int, int>> given;
+    for (const int cell : front) {
+      const Eigen::Vector3i at(cell % cells_[0], cell / cells_[0] % cells_[1], cell / (cells_[0] * cells_[1]));
+      int best = -1;
+      for (int k = 0; k < 27; ++k) {
+        const Eigen::Vector3i by = at + Eigen::Vector3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+        if ((by.array() < 0).any() || (by.array() >= cells_.array()).any()) continue;
+        const int t = nearest[std::size_t((by[2] * cells_[1] + by[1]) * cells_[0] + by[0])];
+        if (t >= 0 && (best < 0 || distance(cell, t) < distance(cell, best))) best = t;
+      }
+      if (best < 0) {
+        left.push_back(cell);
+      } else {
+        given.emplace_back(cell, best);
+      }
+    }
+    for (const auto& [cell, t] : given) nearest[std::size_t(cell)] = t;
+    front = std::move(left);
+  }
+}
+
+Eigen::Vector3i TriangleGrid::index_of(const Vec3& p) const {
+  Eigen::Vector3i index;
   for (int axis = 0; axis < 3; ++axis) {
     const double place = std::floor((p[axis] - low_[axis]) / cell_size_);
-    index[std::size_t(axis)] = static_cast<int>(std::clamp(place, 0.0, cells_[axis] - 1.0));
+    index[axis] = static_cast<int>(std::clamp(place, 0.0, cells_[axis] - 1.0));
   }
+  return index;
+}
+
+int TriangleGrid::cell_of(const Vec3& p) const {
+  const Eigen::Vector3i index = index_of(p);
   return (index[2] * cells_[1] + index[1]) * cells_[0] + index[0];
 }
 

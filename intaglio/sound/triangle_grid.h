@@ -2,9 +2,9 @@
 //
 // A uniform grid over the bounding box lists for each cell the triangles that can be nearest to a point of
 // it; a query scans the list of one cell. Points outside the box are first moved to its nearest point. A cell
-// farther from the surface than its own size keeps one triangle, the one nearest to its middle: contact
+// farther from the surface than its own size keeps one triangle, about the nearest to its middle: contact
 // points are on the surface, so nobody asks there. Immutable, safe from any thread, no allocation in a query;
-// about 0.5 microseconds on a mesh of 4,000 triangles.
+// about 0.5 microseconds on a mesh of 4,000 triangles, which takes 50 ms to make ready.
 #pragma once
 
 #include <array>
@@ -35,6 +35,9 @@ class TriangleGrid {
                         const std::vector<Triangle>& triangles) const;
 
  private:
+  template <class Distance>
+  void spread(std::vector<int>& nearest, Distance distance) const;
+  Eigen::Vector3i index_of(const Vec3& p) const;
   int cell_of(const Vec3& p) const;
 
   Vec3 low_ = Vec3::Zero();

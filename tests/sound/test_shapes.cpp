@@ -96,22 +96,22 @@ TEST_CASE("every node is used, centred, and on the surface where it should be") 
   }
 }
 
-TEST_CASE("assembled: mass is rho V in each direction, rigid motions are free, matrices are symmetric") {
+TEST_CASE("assembled: mass is rho V in each direction, rigid motions are free") {
   for (const Named& shape : all_shapes()) {
     CAPTURE(shape.name);
     const ElasticSystem system = assemble(shape.mesh, test::steel());
     const auto n = Eigen::Index(shape.mesh.nodes.size());
     const double scale = system.stiffness.norm();
-    CHECK((system.stiffness - SparseMatrix(system.stiffness.transpose())).norm() < 1e-15 * scale);
+    CHECK((system.mass - SparseMatrix(system.mass.transpose())).norm() < 1e-15 * system.mass.norm());
     for (int axis = 0; axis < 3; ++axis) {
       Eigen::VectorXd shift = Eigen::VectorXd::Zero(3 * n), spin = shift;
       for (Eigen::Index a = 0; a < n; ++a) {
         shift[3 * a + axis] = 1;
         spin.segment<3>(3 * a) = Vec3::Unit(axis).cross(shape.mesh.nodes[std::size_t(a)]);
       }
-      CHECK(shift.dot(system.mass * shift) == doctest::Approx(7850 * volume(shape.mesh)));
-      CHECK((system.stiffness * shift).norm() < 1e-12 * scale);
-      CHECK((system.stiffness * spin).norm() < 1e-12 * scale);
+      CHECK(shift.dot(system.mass_times(shift).col(0)) == doctest::Approx(7850 * volume(shape.mesh)));
+      CHECK(system.stiffness_times(shift).norm() < 1e-12 * scale);
+      CHECK(system.stiffness_times(spin).norm() < 1e-12 * scale);
     }
   }
 }

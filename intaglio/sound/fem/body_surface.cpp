@@ -58,6 +58,12 @@ Edges edges_of(const BodySurface& body) {
   return edges;
 }
 
+bool is_balanced(const std::vector<EdgeUse>& uses) {
+  const auto forward =
+      std::count_if(uses.begin(), uses.end(), [](const EdgeUse& use) { return use.forward; });
+  return 2 * forward == static_cast<std::ptrdiff_t>(uses.size());
+}
+
 // Six times the volume between a triangle and a point.
 double cone(const BodySurface& body, const Triangle& t, const Vec3& apex) {
   const auto at = [&](std::size_t k) { return Vec3(body.points[std::size_t(t[k])] - apex); };
@@ -74,11 +80,24 @@ struct Shells {
 
 Shells find_shells(const BodySurface& body, const Edges& edges) {
   std::vector<std::vector<std::pair<int, bool>>> beside(body.triangles.size());  // neighbour, winds alike
+  const auto join = [&](int a, int b, bool alike) {
+    beside[std::size_t(a)].emplace_back(b, alike);
+    beside[std::size_t(b)].emplace_back(a, alike);
+  };
   for (const auto& [edge, uses] : edges) {
-    if (uses.size() != 2) continue;
-    const bool alike = uses[0].forward != uses[1].forward;
-    beside[std::size_t(uses[0].triangle)].emplace_back(uses[1].triangle, alike);
-    beside[std::size_t(uses[1].triangle)].emplace_back(uses[0].triangle, alike);
+    if (uses.size() == 2) {
+      join(uses[0].triangle, uses[1].triangle, uses[0].forward != uses[1].forward);
+    } else if (is_balanced(uses)) {
+      // More than two, and as many each way: they are wound as they should be.
+      for (const EdgeUse& use : uses) {
+        if (use.forward != uses[0].forward) join(uses[0].triangle, use.triangle, true);
+        if (use.forward == uses[0].forward && &use != &uses[0]) {
+          const auto other = std::find_if(uses.begin(), uses.end(),
+                                          [&](const EdgeUse& u) { return u.forward != use.forward; });
+          join(use.triangle, other->triangle, true);
+        }
+      }
+    }
   }
   Shells shells;
   shells.of.assign(body.triangles.size(), -1);
@@ -143,9 +162,7 @@ void turn_outwards(BodySurface& body, const Shells& shells) {
 void count_edges(BodySurface& body) {
   int crowded = 0;
   for (const auto& [edge, uses] : edges_of(body)) {
-    int balance = 0;
-    for (const EdgeUse& use : uses) balance += use.forward ? 1 : -1;
-    body.open_edges += balance != 0;
+    body.open_edges += !is_balanced(uses);
     crowded += uses.size() > 2;
   }
   if (body.open_edges > 0)

@@ -24,14 +24,12 @@ void use_one_blas_thread() {
 
 // The place of each degree of freedom in the elimination order, from 1. MUMPS as Debian builds it lacks
 // METIS; and the graph of the nodes is a ninth of the graph of the degrees of freedom.
-std::vector<MUMPS_INT> elimination_order(const SparseMatrix& matrix) {
-  auto nodes = static_cast<idx_t>(matrix.cols() / 3);
+std::vector<MUMPS_INT> elimination_order(const SparseMatrix& node_matrix) {
+  auto nodes = static_cast<idx_t>(node_matrix.cols());
   std::vector<idx_t> start{0}, neighbours;
   for (int node = 0; node < nodes; ++node) {
-    int last = -1;
-    for (SparseMatrix::InnerIterator entry(matrix, 3 * node); entry; ++entry) {
-      const int other = static_cast<int>(entry.row()) / 3;
-      if (other != node && other != last) neighbours.push_back(last = other);
+    for (SparseMatrix::InnerIterator entry(node_matrix, node); entry; ++entry) {
+      if (entry.row() != node) neighbours.push_back(static_cast<idx_t>(entry.row()));
     }
     start.push_back(static_cast<idx_t>(neighbours.size()));
   }
@@ -45,6 +43,32 @@ std::vector<MUMPS_INT> elimination_order(const SparseMatrix& matrix) {
     for (int axis = 0; axis < 3; ++axis) result.push_back(static_cast<MUMPS_INT>(3 * p + axis + 1));
   }
   return result;
+}
+
+struct Triplets {
+  std::vector<MUMPS_INT> rows, columns;
+  std::vector<double> values;
+};
+
+// The lower triangle of K - shift * M.
+Triplets shifted_entries(const ElasticSystem& system, double shift) {
+  Triplets entries;
+  const auto count = static_cast<std::size_t>(system.stiffness.nonZeros());
+  entries.rows.reserve(count);
+  entries.columns.reserve(count);
+  entries.values.reserve(count);
+  for (int column = 0; column < system.dofs(); ++column) {
+    SparseMatrix::InnerIterator mass(system.mass, column / 3);
+    for (SparseMatrix::InnerIterator entry(system.stiffness, column); entry; ++entry) {
+      const int row = static_cast<int>(entry.row());
+      while (mass && mass.row() < row / 3) ++mass;
+      const bool has_mass = mass && mass.row() == row / 3 && row % 3 == column % 3;
+      entries.rows.push_back(row + 1);
+      entries.columns.push_back(column + 1);
+      entries.values.push_back(entry.value() - (has_mass ? shift * mass.value() : 0.0));
+    }
+  }
+  return entries;
 }
 
 Error explain(const DMUMPS_STRUC_C& mumps) {
@@ -67,9 +91,6 @@ Error explain(const DMUMPS_STRUC_C& mumps) {
 
 struct Factorisation::Instance {
   mutable DMUMPS_STRUC_C mumps{};
-  std::vector<MUMPS_INT> rows, columns, order;
-  std::vector<double> values;
-
   void call(int job) const {
     const std::lock_guard lock(mumps_mutex);
     mumps.job = job;
@@ -83,8 +104,8 @@ Factorisation::Factorisation(Factorisation&&) noexcept = default;
 Factorisation& Factorisation::operator=(Factorisation&&) noexcept = default;
 Factorisation::~Factorisation() = default;
 
-Result<Factorisation> Factorisation::of(const SparseMatrix& matrix, Definiteness definiteness) {
-  assert(matrix.rows() == matrix.cols() && matrix.cols() % 3 == 0);
+Result<Factorisation> Factorisation::of(const ElasticSystem& system, double shift,
+                                        Definiteness definiteness) {
   use_one_blas_thread();
   auto instance = std::make_unique<Instance>();
   DMUMPS_STRUC_C& mumps = instance->mumps;
@@ -96,26 +117,23 @@ Result<Factorisation> Factorisation::of(const SparseMatrix& matrix, Definiteness
   mumps.comm_fortran = -987654;  // MPI_COMM_WORLD of the sequential build
   instance->call(-1);
 
-  for (int column = 0; column < matrix.cols(); ++column) {
-    for (SparseMatrix::InnerIterator entry(matrix, column); entry; ++entry) {
-      if (entry.row() < column) continue;
-      instance->rows.push_back(static_cast<MUMPS_INT>(entry.row()) + 1);
-      instance->columns.push_back(column + 1);
-      instance->values.push_back(entry.value());
-    }
-  }
-  instance->order = elimination_order(matrix);
-  mumps.n = static_cast<MUMPS_INT>(matrix.cols());
-  mumps.nnz = static_cast<MUMPS_INT8>(instance->values.size());
-  mumps.irn = instance->rows.data();
-  mumps.jcn = instance->columns.data();
-  mumps.a = instance->values.data();
-  mumps.perm_in = instance->order.data();
+  Triplets entries = shifted_entries(system, shift);
+  std::vector<MUMPS_INT> order = elimination_order(system.mass);
+  mumps.n = static_cast<MUMPS_INT>(system.dofs());
+  mumps.nnz = static_cast<MUMPS_INT8>(entries.values.size());
+  mumps.irn = entries.rows.data();
+  mumps.jcn = entries.columns.data();
+  mumps.a = entries.values.data();
+  mumps.perm_in = order.data();
   for (int stream = 1; stream <= 4; ++stream) icntl(stream) = 0;  // print nothing
   icntl(7) = 1;                                                   // the order is ours
-  icntl(14) = 40;                                                 // per cent of memory to spare for pivoting
+  // Per cent of memory to spare: a positive matrix is not pivoted.
+  icntl(14) = definiteness == Definiteness::positive ? 10 : 40;
   icntl(28) = 1;                                                  // analyse sequentially
   instance->call(4);
+  // Solving needs the factors only, and the entries go when this returns.
+  mumps.irn = mumps.jcn = mumps.perm_in = nullptr;
+  mumps.a = nullptr;
   if (mumps.infog[0] < 0) return tl::unexpected<Error>(explain(mumps));
   return Factorisation(std::move(instance));
 }

@@ -1,4 +1,4 @@
-// A sparse symmetric matrix factorised once and solved many times: MUMPS, with a METIS ordering of the nodes.
+// The matrix of an elastic body, shifted, factorised once and solved many times: MUMPS, with a METIS ordering of the nodes.
 //
 // Owns the factors (RAII, movable). MUMPS keeps global state, so its calls are serialised by a mutex: objects
 // may live on any thread, but only one works at a time. BLAS is set to one thread for the whole process, so
@@ -18,9 +18,9 @@ enum class Definiteness { positive, indefinite };
 
 class Factorisation {
  public:
-  // Factorises `matrix` (both triangles present, three degrees of freedom a node). Fails when it is singular,
-  // or, said to be positive definite, is not, or when memory runs out.
-  static Result<Factorisation> of(const SparseMatrix& matrix, Definiteness definiteness);
+  // Factorises K - shift * M. Fails when it is singular, or, said to be positive definite, is not, or when
+  // memory runs out.
+  static Result<Factorisation> of(const ElasticSystem& system, double shift, Definiteness definiteness);
 
   Factorisation(Factorisation&&) noexcept;
   Factorisation& operator=(Factorisation&&) noexcept;

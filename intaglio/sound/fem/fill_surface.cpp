@@ -9,8 +9,8 @@
 #include "intaglio/sound/fem/element.h"
 #include "intaglio/sound/fem/flat_frame.h"
 #include "intaglio/sound/fem/lattice.h"
+#include "intaglio/sound/fem/surface_query.h"
 #include "intaglio/sound/fem/winding_number.h"
-#include "intaglio/surface/mesh/triangle_tree.h"
 
 namespace intaglio::sound {
 
@@ -21,6 +21,8 @@ constexpr double max_lattice_points = 2e6;
 constexpr double loose_share = 0.01;  // of the volume: a smaller loose part is a crumb of the lattice
 constexpr double lid_share = 0.15;  // of the boundary: where so much of it has no surface near, it is made up
 constexpr double lid_distance = 0.3;  // of a cell: what is farther from the surface is not it
+constexpr double thin_extent = 2.2;    // of the thickness: a square bar is twice as wide as 2 V / A
+constexpr double flattest_cell = 2;    // of the thickness, its length
 constexpr double max_rescaling = 0.05;
 constexpr double least_jacobian = 0.1;  // of the mean over the element
 
@@ -95,44 +97,14 @@ Result<void> keep_largest(CornerMesh& mesh, std::vector<std::string>& notes, con
   return {};
 }
 
-// The nearest point of the surface, at most `reach` away; else `p` itself and false.
-class NearestPoint {
- public:
-  NearestPoint(const surface::TriangleTree& tree, const surface::TriangleMesh& mesh)
-      : tree_(tree), mesh_(mesh) {}
-
-  bool find(const Vec3& p, double reach, Vec3& nearest) const {
-    bool found = false;
-    tree_.search(p, reach, [&](int t) {
-      const auto& c = mesh_.triangles[std::size_t(t)];
-      const Vec3 &a = mesh_.positions[std::size_t(c[0])], &b = mesh_.positions[std::size_t(c[1])],
-                 &d = mesh_.positions[std::size_t(c[2])];
-      const Vec3 w = nearest_barycentric(p, a, b, d);
-      const Vec3 at = w[0] * a + w[1] * b + w[2] * d;
-      if ((at - p).norm() < reach) {
-        reach = (at - p).norm();
-        nearest = at;
-        found = true;
-      }
-      return reach;
-    });
-    return found;
-  }
-
- private:
-  const surface::TriangleTree& tree_;
-  const surface::TriangleMesh& mesh_;
-};
-
 // How much of the boundary has no triangle of the surface near: what an open surface was closed by.
-double share_of_lid(const TetMesh& mesh, const NearestPoint& surface, double near) {
+double share_of_lid(const TetMesh& mesh, const SurfaceQuery& surface, double near) {
   double lid = 0, area = 0;
   for (const Triangle6& f : mesh.boundary) {
     const Vec3 &a = mesh.nodes[std::size_t(f[0])], &b = mesh.nodes[std::size_t(f[1])],
                &c = mesh.nodes[std::size_t(f[2])];
     const double part = (b - a).cross(c - a).norm();
-    Vec3 unused;
-    if (!surface.find((a + b + c) / 3, near, unused)) lid += part;
+    if (!surface.nearest((a + b + c) / 3, near)) lid += part;
     area += part;
   }
   return lid / area;
@@ -154,7 +126,7 @@ bool is_positive(const TetMesh& mesh, const Tet10& tet) {
 }
 
 // Moves the mid-edge nodes of the boundary onto the surface; those of elements that suffer go back.
-void curve(TetMesh& mesh, const NearestPoint& surface) {
+void curve(TetMesh& mesh, const SurfaceQuery& surface) {
   std::map<int, Vec3> straight;
   for (const Triangle6& f : mesh.boundary) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -162,8 +134,7 @@ void curve(TetMesh& mesh, const NearestPoint& surface) {
       Vec3& node = mesh.nodes[std::size_t(middle)];
       if (!straight.try_emplace(middle, node).second) continue;
       const double length = (mesh.nodes[std::size_t(f[k])] - mesh.nodes[std::size_t(f[(k + 1) % 3])]).norm();
-      Vec3 nearest;
-      if (surface.find(node, 0.25 * length, nearest)) node = nearest;
+      if (const auto nearest = surface.nearest(node, 0.25 * length)) node = *nearest;
     }
   }
   for (bool suffered = true; suffered;) {
@@ -206,7 +177,13 @@ Result<LatticeBox> choose_lattice(const BodySurface& body, const Mat3& to_frame,
   const double size = std::max(options.element_size, smallest);
   // Twice volume over area is a plate's thickness and two thirds of a ball's radius.
   const double thickness = 2 * body.volume / body.area;
-  const LatticeBox box(bounds.min(), bounds.max(), std::min(size, thickness));
+  // A plate or a bar that lies along the axes may have flat cells: waves run along it, not through it.
+  Vec3 wanted = Vec3::Constant(std::min(size, thickness));
+  const auto is_thin = (bounds.sizes().array() < thin_extent * thickness).eval();
+  for (int axis = 0; axis < 3; ++axis) {
+    if (is_thin.any() && !is_thin[axis]) wanted[axis] = std::min(size, flattest_cell * thickness);
+  }
+  const LatticeBox box(bounds.min(), bounds.max(), wanted);
   const double cell = std::cbrt(box.cell.prod());
   const double elements = body.volume * tets_per_cell / (cell * cell * cell);
   if (elements > 1.5 * options.max_elements || box.points() > max_lattice_points)
@@ -222,19 +199,27 @@ Result<FilledSurface> fill_surface(const surface::TriangleMesh& mesh, const Fill
                                    const std::string& name) {
   const auto body = body_surface(mesh, name);
   if (!body) return tl::unexpected(body.error());
-  return fill_surface(mesh, *body, options, name);
+  return fill_surface(*body, options, name);
 }
 
-Result<FilledSurface> fill_surface(const surface::TriangleMesh& mesh, const BodySurface& body,
-                                   const FillOptions& options, const std::string& name) {
+Result<FilledSurface> fill_surface(const BodySurface& body, const FillOptions& options,
+                                   const std::string& name) {
   const Mat3 frame = flat_frame(body.points, body.triangles);
   const auto box = choose_lattice(body, frame.transpose(), options, name);
   if (!box) return tl::unexpected(box.error());
-  const auto tree = surface::TriangleTree::make(mesh, name);
-  if (!tree) return tl::unexpected(tree.error());
+  const auto surface = SurfaceQuery::make(body, name);
+  if (!surface) return tl::unexpected(surface.error());
 
   const WindingNumber winding(body.points, body.triangles);
-  CornerMesh corners = fill(*box, [&](const Vec3& p) { return winding.at(frame * p) > 0.5; });
+  Solid solid{[&](const Vec3& p) { return winding.at(frame * p) > 0.5; }};
+  if (body.is_closed()) {
+    // Only then does the winding number change nowhere but at the surface.
+    solid.clearance = [&](const Vec3& p, double reach) { return surface->distance(frame * p, reach); };
+    solid.crossing = [&](const Vec3& in, const Vec3& out) {
+      return surface->only_crossing(frame * in, frame * out);
+    };
+  }
+  CornerMesh corners = fill(*box, solid);
   for (Vec3& p : corners.points) p = frame * p;
   if (corners.tets.empty())
     return fail(name, "encloses no volume", "close the surface, or give it thickness");
@@ -246,14 +231,13 @@ Result<FilledSurface> fill_surface(const surface::TriangleMesh& mesh, const Body
   }
   filled.mesh = quadratic_mesh(std::move(corners.points), std::move(corners.tets));
 
-  const NearestPoint surface(*tree, mesh);
   if (!body.is_closed()) {
-    const double lid = share_of_lid(filled.mesh, surface, lid_distance * filled.element_size);
+    const double lid = share_of_lid(filled.mesh, *surface, lid_distance * filled.element_size);
     if (lid > lid_share)
       return fail(name, fmt::format("is open: {:.0f} % of the solid's surface would be made up", 100 * lid),
                   "close the surface, or give the shell thickness");
   }
-  curve(filled.mesh, surface);
+  curve(filled.mesh, *surface);
   if (body.is_closed()) restore_volume(filled.mesh, body, filled.notes);
   return filled;
 }

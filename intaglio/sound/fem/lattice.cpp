@@ -14,6 +14,7 @@ namespace {
 // A lattice point moves to a cut nearer than this fraction of the edge: Labelle & Shewchuk's values.
 constexpr double long_snap = 0.24999, short_snap = 0.41189;
 constexpr int bisections = 12;
+constexpr double cells_clear = 8;  // that are asked about at once
 
 // Corners of the cells come first, then their middles; one cell of margin all round.
 class Lattice {
@@ -26,6 +27,7 @@ class Lattice {
   }
 
   int size() const { return corners_ + n_[0] * n_[1] * n_[2]; }
+  const Vec3& cell() const { return cell_; }
   bool is_middle(int v) const { return v >= corners_; }
 
   Vec3 position(int v) const {
@@ -74,14 +76,10 @@ struct Cut {
 
 class Stuffing {
  public:
-  Stuffing(const Lattice& lattice, const std::function<bool(const Vec3&)>& inside)
-      : lattice_(lattice), inside_(inside) {}
+  Stuffing(const Lattice& lattice, const Solid& solid) : lattice_(lattice), solid_(solid) {}
 
   CornerMesh fill() {
-    for (int v = 0; v < lattice_.size(); ++v) {
-      points_.push_back(lattice_.position(v));
-      sign_.push_back(inside_(points_.back()) ? 1 : -1);
-    }
+    find_signs();
     lattice_.each_tet([&](const std::array<int, 4>& tet) { cut_edges(tet); });
     snap();
     for (const Cut& cut : cuts_)
@@ -96,17 +94,38 @@ class Stuffing {
     return static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint64_t>(b);
   }
 
+  // Neighbours in the row mostly have the same sign, and a point clear of the surface can tell it.
+  void find_signs() {
+    Vec3 from = Vec3::Zero();
+    double clear = 0;
+    for (int v = 0; v < lattice_.size(); ++v) {
+      const Vec3& p = points_.emplace_back(lattice_.position(v));
+      if ((p - from).norm() < clear) {
+        sign_.push_back(sign_.back());
+        continue;
+      }
+      sign_.push_back(solid_.inside(p) ? 1 : -1);
+      from = p;
+      clear = solid_.clearance ? solid_.clearance(p, cells_clear * lattice_.cell().maxCoeff()) : 0;
+    }
+  }
+
+  double crossing(const Vec3& inner, const Vec3& outer) const {
+    if (const auto t = solid_.crossing ? solid_.crossing(inner, outer) : std::nullopt) return *t;
+    double in = 0, out = 1;
+    for (int k = 0; k < bisections; ++k) {
+      const double t = 0.5 * (in + out);
+      (solid_.inside((1 - t) * inner + t * outer) ? in : out) = t;
+    }
+    return 0.5 * (in + out);
+  }
+
   void cut_edges(const std::array<int, 4>& tet) {
     for (const int a : tet) {
       for (const int b : tet) {
         if (sign(a) <= 0 || sign(b) >= 0) continue;
         if (!cut_of_.try_emplace(key(a, b), static_cast<int>(cuts_.size())).second) continue;
-        double in = 0, out = 1;
-        for (int k = 0; k < bisections; ++k) {
-          const double t = 0.5 * (in + out);
-          (inside_((1 - t) * points_[std::size_t(a)] + t * points_[std::size_t(b)]) ? in : out) = t;
-        }
-        cuts_.push_back({a, b, 0.5 * (in + out)});
+        cuts_.push_back({a, b, crossing(points_[std::size_t(a)], points_[std::size_t(b)])});
       }
     }
   }
@@ -186,7 +205,7 @@ class Stuffing {
   }
 
   const Lattice& lattice_;
-  const std::function<bool(const Vec3&)>& inside_;
+  const Solid& solid_;
   std::vector<Vec3> points_;
   std::vector<int> sign_;  // of lattice points: 1 inside, -1 outside, 0 moved onto the surface
   std::vector<Cut> cuts_;
@@ -197,12 +216,12 @@ class Stuffing {
 
 }  // namespace
 
-LatticeBox::LatticeBox(const Vec3& low_corner, const Vec3& high_corner, double wanted)
-    : low(low_corner), high(high_corner), cell(Vec3::Constant(wanted)), cells{1, 1, 1} {
+LatticeBox::LatticeBox(const Vec3& low_corner, const Vec3& high_corner, const Vec3& wanted)
+    : low(low_corner), high(high_corner), cell(wanted), cells{1, 1, 1} {
   for (std::size_t k = 0; k < 3; ++k) {
     const auto axis = static_cast<Eigen::Index>(k);
     const double extent = high[axis] - low[axis];
-    cells[k] = static_cast<int>(std::clamp(std::round(extent / wanted), 1.0, 1e6));
+    cells[k] = static_cast<int>(std::clamp(std::round(extent / wanted[axis]), 1.0, 1e6));
     if (extent > 0) cell[axis] = extent / cells[k];
   }
 }
@@ -211,8 +230,8 @@ double LatticeBox::points() const {
   return 2 * (cells[0] + 2.0) * (cells[1] + 2.0) * (cells[2] + 2.0);
 }
 
-CornerMesh fill(const LatticeBox& box, const std::function<bool(const Vec3&)>& inside) {
-  return Stuffing(Lattice(box), inside).fill();
+CornerMesh fill(const LatticeBox& box, const Solid& solid) {
+  return Stuffing(Lattice(box), solid).fill();
 }
 
 }  // namespace intaglio::sound

@@ -4,12 +4,14 @@
 // every element is well shaped and no surface mesh is needed: dirty input cannot make it fail. The lattice is
 // stretched a little along each axis, so that whole cells fit between `low` and `high`: the faces of a body
 // that lie along the axes are met exactly. Sharp edges elsewhere are cut off by a fraction of a cell. Cost:
-// one call of `inside` for each lattice point and twelve for each cut edge. Source: Labelle & Shewchuk,
+// one call of `inside` for each lattice point near the surface, and one of `crossing` for each cut edge; each
+// that knows none costs twelve more of `inside`. Source: Labelle & Shewchuk,
 // "Isosurface stuffing: fast tetrahedral meshes with good dihedral angles", 2007; the quadrilaterals are cut
 // from their smallest index, not by its parity rule.
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include "intaglio/sound/fem/tet_mesh.h"
 
@@ -21,11 +23,20 @@ struct LatticeBox {
   std::array<int, 3> cells;  // that fit between low and high, at least 1 each
 
   // With cells as near to `cell` as whole numbers of them allow.
-  LatticeBox(const Vec3& low, const Vec3& high, double cell);
+  LatticeBox(const Vec3& low, const Vec3& high, const Vec3& cell);
   double points() const;  // about so many lattice points
 };
 
+// What is solid. The last two only save calls of `inside`.
+struct Solid {
+  std::function<bool(const Vec3&)> inside;
+  // How far around a point all is as the point is, at most `reach`, metres.
+  std::function<double(const Vec3&, double reach)> clearance = {};
+  // Where, from 0 at `in` to 1 at `out`, the surface is, if it is met just once.
+  std::function<std::optional<double>(const Vec3& in, const Vec3& out)> crossing = {};
+};
+
 // Empty when nothing is solid.
-CornerMesh fill(const LatticeBox& box, const std::function<bool(const Vec3&)>& inside);
+CornerMesh fill(const LatticeBox& box, const Solid& solid);
 
 }  // namespace intaglio::sound

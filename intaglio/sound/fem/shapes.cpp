@@ -139,11 +139,18 @@ TetMesh box(const Vec3& size, int nx, int ny, int nz) {
   constexpr std::array<std::array<int, 3>, 6> walks{
       {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}};
   for (int cell = 0; cell < nx * ny * nz; ++cell) {
+    const std::array<int, 3> place{cell % nx, cell / nx % ny, cell / (nx * ny)};
     for (const auto& walk : walks) {
-      std::array<int, 3> at{cell % nx, cell / nx % ny, cell / (nx * ny)};
+      // Every other brick is the mirror image of its neighbour: it is walked the other way.
+      std::array<int, 3> at, way;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const bool is_mirrored = place[axis] % 2 == 1;
+        at[axis] = place[axis] + is_mirrored;
+        way[axis] = is_mirrored ? -1 : 1;
+      }
       std::array<int, 4> tet{index(at[0], at[1], at[2])};
       for (std::size_t step = 0; step < 3; ++step) {
-        ++at[std::size_t(walk[step])];
+        at[std::size_t(walk[step])] += way[std::size_t(walk[step])];
         tet[step + 1] = index(at[0], at[1], at[2]);
       }
       mesh.tets.push_back(tet);

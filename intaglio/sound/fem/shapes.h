@@ -13,7 +13,8 @@ namespace intaglio::sound {
 // in all). Level 2 puts the first modes within 0.1 %.
 TetMesh ball(double radius, int level);
 
-// A box of `size`, cut into nx * ny * nz bricks of six tetrahedra.
+// A box of `size`, cut into nx * ny * nz bricks of six tetrahedra, each the mirror image of its neighbours:
+// where counts are even the mesh has the symmetry of the box, and modes that are degenerate stay so.
 TetMesh box(const Vec3& size, int nx, int ny, int nz);
 
 // A cylinder whose axis is local Y: a disk of 6 * rings^2 triangles, extruded through `layers`.

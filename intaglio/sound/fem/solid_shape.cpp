@@ -108,7 +108,11 @@ TetMesh SolidShape::mesh(double element_size, int max_elements) const {
       if (h > size.maxCoeff() || 18.0 * rings * rings * layers <= max_elements)
         return cylinder(0.5 * size.x(), size.y(), rings, layers);
     } else {
-      const int nx = count(size.x(), 2), ny = count(size.y(), 2), nz = count(size.z(), 2);
+      // One layer of quadratic elements bends well if they are no wider than it is thick.
+      const auto even = [&](double extent) {
+        return extent >= h && extent < 1.5 * h ? 1 : (count(extent, 2) + 1) / 2 * 2;
+      };
+      const int nx = even(size.x()), ny = even(size.y()), nz = even(size.z());
       if (h > size.maxCoeff() || 6.0 * nx * ny * nz <= max_elements) return box(size, nx, ny, nz);
     }
   }
