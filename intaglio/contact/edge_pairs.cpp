@@ -39,9 +39,11 @@ class EdgeSearch {
     if (d2 > rod_.reach() * rod_.reach() || d2 < 1e-18 || apart.z() == 0) return;
     const double slope_x = -apart.x() / apart.z(), slope_y = -apart.y() / apart.z();
     // Inside of a polyhedron the faces answer for it.
-    if ((apart.z() < 0 && edge_.radius == 0) || !leaf.is_summit(c, r, slope_x, slope_y, 0, 0)) return;
+    if (apart.z() < 0 && edge_.radius == 0) return;
+    const bool is_summit = leaf.is_summit(c, r, slope_x, slope_y, 0, 0);
+    if (!is_summit && edge_.radius == 0) return;
     const double d = std::copysign(std::sqrt(d2), apart.z());
-    report(leaf, c, r, Where::corner, q, apart / d, d);
+    report(leaf, c, r, Where::corner, q, apart / d, d, is_summit);
   }
 
   // From texel (c, r) to the next along x.
