@@ -80,7 +80,7 @@ class RimSearch {
     const double z = leaf.at(c, r), a = leaf.at(c + 1, r) - z, b = leaf.at(c, r + 1) - z;
     const RimPatch search(circle_,
                           {leaf.texel(c, r), leaf.w, leaf.h, a, b, leaf.at(c + 1, r + 1) - z - a - b});
-    const auto met = search.run(std::max(asked_.found.limit(), asked_.overlap));
+    const auto met = search.run(std::max(asked_.found.limit(), asked_.overlap), middle_, cos_half_);
     if (met && is_in_arc(met->at))
       report(leaf, c, r, Where::patch, met->on, met->normal, (met->at.point - met->on).dot(met->normal),
              met->at);
@@ -97,6 +97,7 @@ class RimSearch {
       const int i = c + end * x, j = r + end * y;
       return 2 * leaf.at(i, j) - leaf.at(i - y, j - x) - leaf.at(i + y, j + x);
     };
+    look_under(leaf, c, r, x);
     if (std::max(bend(0), bend(1)) <= 0) return;
     const Vec3 along(x * leaf.w, y * leaf.h, leaf.at(c + x, r + y) - leaf.at(c, r));
     const double length2 = along.squaredNorm();
@@ -106,6 +107,28 @@ class RimSearch {
                           0.5 * rim_.radius * (circle_.v.dot(v) - circle_.u.dot(u))};
     wave.for_each_zero(middle_angle_, half_arc,
                        [&](double angle) { meet_crease(leaf, c, r, x, along, circle_.at(angle)); });
+  }
+
+  // Where rim and crease cross in plan, a rim below shows an overlap (edge_pairs.cpp).
+  void look_under(const Leaf& leaf, int c, int r, int x) const {
+    if (asked_.found.overlaps()) return;
+    const int across = x == 1 ? 1 : 0, along = 1 - across;
+    const Vec3 q = leaf.texel(c, r);
+    const double size = along == 0 ? leaf.w : leaf.h, a = circle_.u[across], b = circle_.v[across],
+                 amplitude = std::hypot(a, b), off = (q[across] - rim_.centre[across]) / rim_.radius;
+    if (!(std::abs(off) < amplitude)) return;
+    const double first = std::atan2(b, a), turn = std::acos(off / amplitude);
+    for (const double angle : {first - turn, first + turn}) {
+      const RimPoint at = circle_.at(angle);
+      const double t = (at.point[along] - q[along]) / size;
+      const double z = q.z() + t * (leaf.at(c + x, r + 1 - x) - q.z()), gap = at.point.z() - z;
+      if (t < 0 || t > 1 || gap >= 0 || !is_in_arc(at)) continue;
+      const Vec3 on = at.point - gap * Vec3::UnitZ();
+      if (!asked_.surface.placement().covers(on)) continue;
+      asked_.found.add_witness({on, Vec3::UnitZ(), gap,
+                                feature_id(leaf.i + c, leaf.j + r, x == 1 ? Where::crease_x : Where::crease_y,
+                                           Part::edge, rim_.index, asked_.child)});
+    }
   }
 
   void meet_crease(const Leaf& leaf, int c, int r, int x, const Vec3& along, const RimPoint& at) const {
@@ -134,17 +157,15 @@ class RimSearch {
   void report(const Leaf& leaf, int c, int r, Where where, const Vec3& q, const Vec3& normal, double distance,
               const RimPoint& at, bool is_least = true) const {
     if (distance < -asked_.overlap || !asked_.surface.placement().covers(q)) return;
+    if (distance < 0 && !is_under(asked_.surface, at.point)) return;
     const double leaning = std::max(normal.dot(rim_.normal), normal.dot(at.out));
     const Candidate met{q, normal, distance,
                         feature_id(leaf.i + c, leaf.j + r, where, Part::edge, rim_.index, asked_.child)};
     if (is_least && leaning <= slack_at(distance, asked_.overlap)) {
       asked_.found.add(met);
-    } else if (distance < 0 && !asked_.found.overlaps() && is_under(at.point)) {
+    } else if (distance < 0) {
       asked_.found.add_spare(met);
     }
-  }
-  bool is_under(const Vec3& p) const {
-    return p.z() < -asked_.surface.depth(asked_.surface.placement().uv(p));
   }
 
   const Asked& asked_;

@@ -54,13 +54,17 @@ class RimPatch {
 
   RimPatch(const Circle& circle, const Patch& patch) : circle_(circle), patch_(patch) {}
 
-  // A place where the gap is least along the rim; pairs farther apart than `reach` are not wanted.
-  std::optional<Met> run(double reach) const {
-    if (patch_.twist == 0 || is_beyond(reach)) return std::nullopt;
-    for (const auto& [s, t] : {std::pair{0.5, 0.5}, std::pair{0.1, 0.1}, std::pair{0.9, 0.1},
-                               std::pair{0.1, 0.9}, std::pair{0.9, 0.9}}) {
-      const auto met = from(s, t);
-      if (met) return met;
+  // A place where the gap is least along the rim; pairs farther apart than `reach` are not wanted, nor points
+  // of the rim that are certainly not within half an arc's angle, of that cosine, of `middle`.
+  std::optional<Met> run(double reach, const Vec3& middle, double cos_half) const {
+    if (patch_.twist == 0 || is_beyond(reach, middle, cos_half)) return std::nullopt;
+    for (const Vec2& start :
+         {Vec2(0.5, 0.5), Vec2(0.1, 0.1), Vec2(0.9, 0.1), Vec2(0.1, 0.9), Vec2(0.9, 0.9)}) {
+      const auto end = from(start.x(), start.y());
+      if (!end) continue;
+      if (const auto met = met_at(end->x(), end->y())) return met;
+      // A patch is nearly a plane: what is that far out is the only place.
+      if (start.x() == 0.5 && (*end - start).cwiseAbs().maxCoeff() > 0.75) break;
     }
     return std::nullopt;
   }
@@ -69,18 +73,19 @@ class RimPatch {
   Vec3 across(const Vec3& n) const { return n - n.dot(circle_.normal) * circle_.normal; }
 
   // How far the rim's point goes while (s, t) goes over the patch, and so how far off it is at least.
-  bool is_beyond(double reach) const {
+  bool is_beyond(double reach, const Vec3& arc, double cos_half) const {
     const Vec3 middle = patch_.upward(0.5, 0.5), w = across(middle);
     const double turn = 0.5 * std::abs(patch_.twist) * std::hypot(1 / patch_.w, 1 / patch_.h);
     const double length = w.norm();
     if (length <= 2 * turn) return false;
+    if (-w.dot(arc) < (cos_half - 2 * turn / length) * length) return true;
     const Vec3 on = patch_.at(0.5, 0.5);
     const double half = 0.5 * std::sqrt(patch_.w * patch_.w + patch_.h * patch_.h) +
                         0.5 * (std::abs(patch_.a) + std::abs(patch_.b)) + std::abs(patch_.twist);
     return (circle_.towards(-w).point - on).norm() > reach + half + 2 * turn / length * circle_.radius;
   }
 
-  std::optional<Met> from(double s, double t) const {
+  std::optional<Vec2> from(double s, double t) const {
     for (int round = 0; round < 16; ++round) {
       const Vec3 n = patch_.upward(s, t), w = across(n);
       const double length = w.norm();
@@ -100,12 +105,12 @@ class RimPatch {
       s += std::clamp(step_s, -0.5, 0.5);
       t += std::clamp(step_t, -0.5, 0.5);
       if (s < -1 || s > 2 || t < -1 || t > 2) return std::nullopt;
-      if (std::abs(step_s) + std::abs(step_t) < 1e-11) return met(s, t);
+      if (std::abs(step_s) + std::abs(step_t) < 1e-11) return Vec2(s, t);
     }
     return std::nullopt;
   }
 
-  std::optional<Met> met(double s, double t) const {
+  std::optional<Met> met_at(double s, double t) const {
     if (s < 0 || s > 1 || t < 0 || t > 1) return std::nullopt;
     const Vec3 upward = patch_.upward(s, t);
     const RimPoint at = circle_.towards(-across(upward));

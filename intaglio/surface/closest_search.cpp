@@ -128,7 +128,8 @@ double ClosestSearch::height_away(const Blocks& blocks) const {
       }
     }
   }
-  return away(-surface_.max_depth() * all.deep - asking_.z(), -surface_.max_depth() * all.shallow - asking_.z());
+  return away(-surface_.max_depth() * all.deep - asking_.z(),
+              -surface_.max_depth() * all.shallow - asking_.z());
 }
 
 // Of one copy of the texture, the blocks within reach; seen from far above, that is little in plan.

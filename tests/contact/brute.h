@@ -56,7 +56,7 @@ struct BodyDistance {
     return {d, Vec3::Unit(axis) * (q[axis] < 0 ? -1 : 1)};
   }
   Distance operator()(const contact::Cylinder& s) const {
-    const double across = std::hypot(q.x(), q.z());
+    const double across = std::sqrt(q.x() * q.x() + q.z() * q.z());
     const Vec3 out = across > 0 ? Vec3(q.x() / across, 0, q.z() / across) : Vec3(Vec3::UnitX());
     const double r = across - s.radius, h = std::abs(q.y()) - s.half_height;
     const Vec3 up = Vec3::UnitY() * (q.y() < 0 ? -1 : 1);
