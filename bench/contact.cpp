@@ -1,4 +1,5 @@
-// What a step costs: bench_contact [--json | --csv] [--quick]. One scene, one run, thread-CPU time.
+// What a step costs: bench_contact [--json | --csv] [--quick] [--only=FLOOR]. One scene, one run, thread-CPU
+// time.
 //
 // The scene: built-in bricks, 4 m a side, 8 cm deep, slopes up to 77 degrees; bodies of about 10 cm that move
 // at up to 1 m/s, each for itself, none asleep; a plain Bullet world at 60 Hz with its own settings (10
@@ -16,6 +17,8 @@
 #include <cstring>
 #include <memory>
 #include <numbers>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/brick.h"
@@ -247,7 +250,9 @@ class Bench {
  public:
   enum class Output { table, csv, json };
 
-  Bench(bool quick, Output output) : throws_(quick ? 2 : 8), output_(output) {
+  // `only`: floors whose name holds that.
+  Bench(bool quick, Output output, std::string only)
+      : throws_(quick ? 2 : 8), output_(output), only_(std::move(only)) {
     bodies_.push_back({"sphere", std::make_unique<btSphereShape>(btScalar(radius))});
     bodies_.push_back(
         {"box", std::make_unique<btBoxShape>(btVector3(btScalar(0.15), btScalar(0.1), btScalar(0.2)))});
@@ -269,6 +274,7 @@ class Bench {
 
  private:
   void add(Floor& floor, Body& body, int count) {
+    if (floor.name.find(only_) == std::string::npos) return;
     const int throws = std::max(1, throws_ * 10 / std::max(10, count / 10));
     rows_.push_back(Run(floor, *body.shape, count).measure(body.name, throws));
     const Row& r = rows_.back();
@@ -283,6 +289,7 @@ class Bench {
 
   int throws_;
   Output output_;
+  std::string only_;
   std::vector<Body> bodies_;
   std::vector<Row> rows_;
 };
@@ -358,6 +365,7 @@ void print_json(const std::vector<Row>& rows) {
 
 int main(int argc, char** argv) {
   bool json = false, csv = false, quick = false;
+  std::string only;
   for (int k = 1; k < argc; ++k) {
     if (std::strcmp(argv[k], "--json") == 0) {
       json = true;
@@ -365,12 +373,14 @@ int main(int argc, char** argv) {
       csv = true;
     } else if (std::strcmp(argv[k], "--quick") == 0) {
       quick = true;
+    } else if (std::strncmp(argv[k], "--only=", 7) == 0) {
+      only = argv[k] + 7;
     } else {
-      fmt::print(stderr, "bench_contact: '{}' is none of --json, --csv, --quick\n", argv[k]);
+      fmt::print(stderr, "bench_contact: '{}' is none of --json, --csv, --quick, --only=FLOOR\n", argv[k]);
       return 2;
     }
   }
-  Bench bench(quick, json ? Bench::Output::json : csv ? Bench::Output::csv : Bench::Output::table);
+  Bench bench(quick, json ? Bench::Output::json : csv ? Bench::Output::csv : Bench::Output::table, only);
   measure(bench, quick);
   if (json) print_json(bench.rows());
   if (!json && !csv) print_ratios(bench.rows());

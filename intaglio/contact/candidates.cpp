@@ -46,8 +46,8 @@ void Candidates::find_shallowest() {
 }
 
 bool Candidates::use_spare() {
-  if (!has_spare_ || overlaps_) return false;
-  add(spare_);
+  if (overlaps_ || !(has_spare_ || has_witness_)) return false;
+  add(has_spare_ ? spare_ : witness_);
   return true;
 }
 

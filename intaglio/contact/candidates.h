@@ -62,7 +62,13 @@ class Candidates {
     if (!has_spare_ || candidate.distance > spare_.distance) spare_ = candidate;
     has_spare_ = true;
   }
-  // Adds it if nothing overlaps so far; whether it did.
+  // Something that shows an overlap, and some way out of it; for when there is not even a spare. The deepest
+  // is kept.
+  void add_witness(const Candidate& candidate) {
+    if (!has_witness_ || candidate.distance < witness_.distance) witness_ = candidate;
+    has_witness_ = true;
+  }
+  // Adds the spare, or else the witness, if nothing overlaps so far; whether it did.
   bool use_spare();
 
   // The deepest, then those whose normals differ from all chosen, then those that widen the support.
@@ -74,8 +80,8 @@ class Candidates {
   std::array<Candidate, capacity> kept_;
   std::size_t count_ = 0, shallowest_ = 0;
   double limit_;
-  bool overflowed_ = false, overlaps_ = false, has_spare_ = false;
-  Candidate spare_;
+  bool overflowed_ = false, overlaps_ = false, has_spare_ = false, has_witness_ = false;
+  Candidate spare_, witness_;
 };
 
 }  // namespace intaglio::contact

@@ -39,14 +39,18 @@ class EdgeSearch {
     if (d2 > rod_.reach() * rod_.reach() || d2 < 1e-18 || apart.z() == 0) return;
     const double slope_x = -apart.x() / apart.z(), slope_y = -apart.y() / apart.z();
     // Inside of a polyhedron the faces answer for it.
-    if ((apart.z() < 0 && edge_.radius == 0) || !leaf.is_summit(c, r, slope_x, slope_y, 0, 0)) return;
+    if (apart.z() < 0 && edge_.radius == 0) return;
+    const bool is_summit = leaf.is_summit(c, r, slope_x, slope_y, 0, 0);
+    if (!is_summit && edge_.radius == 0) return;
     const double d = std::copysign(std::sqrt(d2), apart.z());
-    report(leaf, c, r, Where::corner, q, apart / d, d);
+    report(leaf, c, r, Where::corner, q, apart / d, d, is_summit);
   }
 
   // From texel (c, r) to the next along x.
   void crease_x(const Leaf& leaf, int c, int r) const {
     const double z = leaf.at(c, r), slope_x = (leaf.at(c + 1, r) - z) / leaf.w;
+    const double u = ((leaf.j + r + 0.5) * leaf.h - edge_.a.y()) / along_.y();
+    look_under(leaf, c, r, u, (edge_.a.x() + u * along_.x()) / leaf.w - 0.5 - (leaf.i + c), 1, 0);
     // Of the plane that holds both directions.
     const double slope_y = (along_.z() - along_.x() * slope_x) / along_.y();
     const Across first{z - leaf.at(c, r - 1), leaf.at(c, r + 1) - z},
@@ -56,6 +60,8 @@ class EdgeSearch {
   }
   void crease_y(const Leaf& leaf, int c, int r) const {
     const double z = leaf.at(c, r), slope_y = (leaf.at(c, r + 1) - z) / leaf.h;
+    const double u = ((leaf.i + c + 0.5) * leaf.w - edge_.a.x()) / along_.x();
+    look_under(leaf, c, r, u, (edge_.a.y() + u * along_.y()) / leaf.h - 0.5 - (leaf.j + r), 0, 1);
     const double slope_x = (along_.z() - along_.y() * slope_y) / along_.x();
     const Across first{z - leaf.at(c - 1, r), leaf.at(c + 1, r) - z},
         second{leaf.at(c, r + 1) - leaf.at(c - 1, r + 1), leaf.at(c + 1, r + 1) - leaf.at(c, r + 1)};
@@ -115,6 +121,21 @@ class EdgeSearch {
   }
 
  private:
+  // Where edge and crease cross in plan, at u of the edge and t of the crease from texel (c, r) to (c + x, r
+  // + y), an edge below shows an overlap: a crease in the body is above the edge of two of its faces
+  // somewhere, if neither of its ends is in the body.
+  void look_under(const Leaf& leaf, int c, int r, double u, double t, int x, int y) const {
+    if (!(u >= 0 && u <= 1 && t >= 0 && t <= 1) || edge_.radius > 0 || asked_.found.overlaps()) return;
+    const double z = leaf.at(c, r) + t * (leaf.at(c + x, r + y) - leaf.at(c, r)),
+                 gap = edge_.a.z() + u * along_.z() - z;
+    if (gap >= 0) return;
+    const Vec3 on = edge_.a + u * along_ - gap * Vec3::UnitZ();
+    if (!asked_.surface.placement().covers(on)) return;
+    asked_.found.add_witness({on, Vec3::UnitZ(), gap,
+                              feature_id(leaf.i + c, leaf.j + r, x == 1 ? Where::crease_x : Where::crease_y,
+                                         Part::edge, edge_.index, asked_.child)});
+  }
+
   // How the relief rises across a crease at one of its ends, from behind and ahead, a cell each.
   struct Across {
     double behind, ahead;
@@ -160,6 +181,8 @@ class EdgeSearch {
     double leaning = 0;
     for (const Vec3& inward : edge_.inward) leaning = std::max(leaning, -normal.dot(inward));
     if (leaning > slack) return;
+    // The edge must be in the relief, not out of it again on the other side.
+    if (edge_.radius == 0 && distance < 0 && !is_under(asked_.surface, q + distance * normal)) return;
     const Candidate met{q, normal, distance - edge_.radius,
                         feature_id(leaf.i + c, leaf.j + r, where, Part::edge, edge_.index, asked_.child)};
     if (is_least && leaning <= slack_at(distance, asked_.overlap)) {

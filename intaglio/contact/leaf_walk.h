@@ -55,6 +55,23 @@ struct Leaf {
   }
 };
 
+// Block (x, y) of a level of the pyramid.
+inline Piece piece_of(const surface::Surface& surface, int level, int x, int y) {
+  const surface::Pyramid& pyramid = surface.pyramid();
+  const int side = surface::Pyramid::side(level);
+  const double w = surface.texel_u(), h = surface.texel_v(), scale = -surface.max_depth();
+  const surface::Pyramid::Slab slab = pyramid.slab(level, x, y);
+  const double a = scale * side * slab.slope_x, c = scale * side * slab.slope_y;
+  const Vec3 middle((pyramid.first() + 0.5 + (x + 0.5) * side) * w,
+                    (pyramid.first() + 0.5 + (y + 0.5) * side) * h, scale * 0.5 * (slab.low + slab.high));
+  return {middle, Vec3(side * w, 0, a), Vec3(0, side * h, c), -0.5 * scale * (slab.high - slab.low)};
+}
+// The block of four by four cells whose first is (i, j).
+inline Piece piece_of_leaf(const surface::Surface& surface, int i, int j) {
+  const int first = surface.pyramid().first();
+  return piece_of(surface, 0, (i - first) / Leaf::side, (j - first) / Leaf::side);
+}
+
 // Calls visit(i, j) with the first cell of every block of four by four cells over the rectangle that overlaps
 // low..high in plan and that is wanted: wanted(piece) of the block, and of those that hold it.
 template <class Wanted, class Visit>
@@ -62,7 +79,7 @@ void for_each_leaf(const surface::Surface& surface, const Vec2& low, const Vec2&
                    const Visit& visit) {
   using surface::Pyramid;
   const Pyramid& pyramid = surface.pyramid();
-  const double w = surface.texel_u(), h = surface.texel_v(), scale = -surface.max_depth();
+  const double w = surface.texel_u(), h = surface.texel_v();
   const int first = pyramid.first();
   // Cells, counted from the first.
   const auto cell = [first](double at, double size, int cells) {
@@ -82,12 +99,7 @@ void for_each_leaf(const surface::Surface& surface, const Vec2& low, const Vec2&
   const auto try_block = [&](const Block& b) {
     const int side = Pyramid::side(b.level);
     if (b.x * side > i1 || (b.x + 1) * side <= i0 || b.y * side > j1 || (b.y + 1) * side <= j0) return false;
-    const Pyramid::Slab slab = pyramid.slab(b.level, b.x, b.y);
-    const double a = scale * side * slab.slope_x, c = scale * side * slab.slope_y;
-    const Vec3 middle((first + 0.5 + (b.x + 0.5) * side) * w, (first + 0.5 + (b.y + 0.5) * side) * h,
-                      scale * 0.5 * (slab.low + slab.high));
-    return wanted(
-        Piece{middle, Vec3(side * w, 0, a), Vec3(0, side * h, c), -0.5 * scale * (slab.high - slab.low)});
+    return wanted(piece_of(surface, b.level, b.x, b.y));
   };
   const int side = Pyramid::side(level);
   for (int y = j0 / side; y <= j1 / side; ++y) {

@@ -7,7 +7,8 @@
 //                                           it, and not less than half as far from any that is not turned
 //                                           up (convex), or not deeper than `overlap` (mesh);
 //   edge of the body and crease or patch:   not deeper than `overlap`, the greater of the margin and a
-//                                           texel; of a round body that much of the axis below the relief.
+//                                           texel; the edge's point in the relief; of a round body that much
+//                                           of the axis below the relief.
 // Each pair must be a least gap give or take slack.h: the common normal among the outer normals of both
 // features.
 #pragma once
@@ -26,6 +27,10 @@ struct Asked {
   double overlap;
   Candidates& found;
 };
+
+inline bool is_under(const surface::Surface& surface, const Vec3& p) {
+  return p.z() < -surface.depth(surface.placement().uv(p));
+}
 
 // A ball: the closest features of the relief to its centre (surface/closest.h), less the radius.
 void ball_pairs(const Asked& asked, const Vec3& centre, double radius, int index);

@@ -1,9 +1,12 @@
-// The rim of a cylinder against corners, creases and patches of the relief: arc by arc, so that each has one
-// place at most where the distance is stationary, found by a change of sign.
+// The rim of a cylinder against corners, creases and patches of the relief: arc by arc, so that only texels
+// near an arc are asked.
 #include <cmath>
 #include <numbers>
+#include <optional>
 
+#include "intaglio/contact/circle_roots.h"
 #include "intaglio/contact/pairs.h"
+#include "intaglio/contact/rim_patch.h"
 #include "intaglio/contact/rod.h"
 #include "intaglio/contact/slack.h"
 
@@ -11,57 +14,57 @@ namespace intaglio::contact {
 
 namespace {
 
-constexpr int arcs = 16;
-
-// A root of a function that has opposite signs at both ends: regula falsi, Illinois.
-template <class Function>
-double root(double from, double to, double f_from, double f_to, const Function& function) {
-  for (int round = 0; round < 60 && std::abs(to - from) > 1e-13; ++round) {
-    const double at = to - f_to * (to - from) / (f_to - f_from), f = function(at);
-    if (f == 0) return at;
-    if ((f < 0) == (f_to < 0)) {
-      f_from *= 0.5;
-    } else {
-      from = to;
-      f_from = f_to;
-    }
-    const bool done = std::abs(at - to) < 1e-13;
-    to = at;
-    f_to = f;
-    if (done) break;
-  }
-  return to;
-}
+constexpr std::size_t arcs = 16;
+constexpr double half_arc = std::numbers::pi / arcs;
 
 class RimSearch {
  public:
-  RimSearch(const Asked& asked, const Rim& rim) : asked_(asked), rim_(rim) {
-    // Any two axes across; the same for the same attitude.
-    const Vec3 other = std::abs(rim.normal.x()) < 0.7 ? Vec3::UnitX() : Vec3::UnitY();
-    u_ = rim.normal.cross(other).normalized();
-    v_ = rim.normal.cross(u_);
-  }
+  RimSearch(const Asked& asked, const Rim& rim)
+      : asked_(asked), rim_(rim), circle_(rim.centre, rim.normal, rim.radius) {}
 
   void run() {
-    const double sagitta = rim_.radius * (1 - std::cos(std::numbers::pi / arcs));
-    for (int k = 0; k < arcs; ++k) {
-      from_ = place(2 * std::numbers::pi * k / arcs);
-      to_ = place(2 * std::numbers::pi * (k + 1) / arcs);
-      const Rod rod(from_.point, to_.point, asked_.found.limit() + sagitta, asked_.overlap + sagitta);
-      if (std::min(from_.point.z(), to_.point.z()) > rod.reach()) continue;
-      for_each_leaf(
-          asked_.surface, rod.low(), rod.high(), [&](const Piece& piece) { return rod.may_meet(piece); },
-          [&](int i, int j) {
-            const Leaf leaf(asked_.surface, i, j);
-            search_leaf(*this, leaf, texels_up(leaf, rod));
-          });
+    const double cos_half = std::cos(half_arc), sagitta = rim_.radius * (1 - cos_half);
+    std::array<std::optional<Rod>, arcs> rods;
+    std::array<RimPoint, arcs> middles;
+    Vec2 low = rim_.centre.head<2>(), high = low;
+    for (std::size_t k = 0; k < arcs; ++k) {
+      const double angle = 2 * half_arc * double(k);
+      middles[k] = circle_.at(angle);
+      const Vec3 a = circle_.at(angle - half_arc).point, b = circle_.at(angle + half_arc).point;
+      const Rod rod(a, b, asked_.found.limit() + sagitta, asked_.overlap + sagitta);
+      if (std::min(a.z(), b.z()) > rod.reach()) continue;
+      rods[k] = rod;
+      low = low.cwiseMin(rod.low());
+      high = high.cwiseMax(rod.high());
     }
+    const auto meets = [](const Piece& piece, const std::optional<Rod>& rod) {
+      return rod && rod->may_meet(piece);
+    };
+    for_each_leaf(
+        asked_.surface, low, high,
+        [&](const Piece& piece) {
+          return std::any_of(rods.begin(), rods.end(), [&](const auto& rod) { return meets(piece, rod); });
+        },
+        [&](int i, int j) {
+          const Leaf leaf(asked_.surface, i, j);
+          const Piece piece = piece_of_leaf(asked_.surface, i, j);
+          for (std::size_t k = 0; k < arcs; ++k) {
+            if (!meets(piece, rods[k])) continue;
+            middle_angle_ = 2 * half_arc * double(k);
+            middle_ = middles[k].out;
+            cos_half_ = cos_half;
+            search_leaf(*this, leaf, texels_up(leaf, *rods[k]));
+          }
+        });
   }
 
+  // The rim's point nearest to a corner is in the corner's direction.
   void corner(const Leaf& leaf, int c, int r) const {
-    const Vec3 q = leaf.texel(c, r);
-    Place at;
-    if (!find([&](const Place& p) { return (p.point - q).dot(p.tangent); }, at)) return;
+    const Vec3 q = leaf.texel(c, r), from = q - rim_.centre;
+    const Vec3 across = from - from.dot(rim_.normal) * rim_.normal;
+    if (across.squaredNorm() == 0) return;
+    const RimPoint at = circle_.towards(across);
+    if (!is_in_arc(at)) return;
     const Vec3 apart = at.point - q;
     const double d = apart.norm();
     if (d < 1e-9 || !(apart.z() > 0) ||
@@ -73,85 +76,66 @@ class RimSearch {
   void crease_x(const Leaf& leaf, int c, int r) const { crease(leaf, c, r, 1, 0); }
   void crease_y(const Leaf& leaf, int c, int r) const { crease(leaf, c, r, 0, 1); }
 
-  // The inside of a patch: the normal at the foot of a rim point is square to the rim there.
   void patch(const Leaf& leaf, int c, int r) const {
-    const Vec3 q = leaf.texel(c, r);
-    const double a = leaf.at(c + 1, r) - q.z(), b = leaf.at(c, r + 1) - q.z(),
-                 twist = leaf.at(c + 1, r + 1) - q.z() - a - b;
-    // Square to the rim the normal can only be where its part along the rim changes its sign.
-    const auto range = [&](const Vec3& e) {
-      const double x = e.x() / leaf.w, y = e.y() / leaf.h, g = e.z() - a * x - b * y;
-      return std::pair(g + std::min(-twist * x, 0.0) + std::min(-twist * y, 0.0),
-                       g + std::max(-twist * x, 0.0) + std::max(-twist * y, 0.0));
-    };
-    const auto start = range(from_.tangent), end = range(to_.tangent);
-    if (std::min(start.first, end.first) > 0 || std::max(start.second, end.second) < 0) return;
-    double s = 0.5, t = 0.5;
-    Vec3 on, normal;
-    const auto slope_along = [&](const Place& from) {
-      const Vec3 p = from.point - q;
-      for (int round = 0; round < 8; ++round) {  // Newton: the foot of p on the patch, however far it goes on
-        const double z_s = a + t * twist, z_t = b + s * twist;
-        const Vec3 d = Vec3(s * leaf.w, t * leaf.h, s * a + t * b + s * t * twist) - p;
-        const double g_s = d.x() * leaf.w + d.z() * z_s, g_t = d.y() * leaf.h + d.z() * z_t;
-        const double ss = leaf.w * leaf.w + z_s * z_s, tt = leaf.h * leaf.h + z_t * z_t,
-                     st = z_s * z_t + d.z() * twist, det = ss * tt - st * st;
-        if (!(std::abs(det) > 1e-9 * ss * tt)) break;
-        const double step_s = -(tt * g_s - st * g_t) / det, step_t = -(ss * g_t - st * g_s) / det;
-        s = std::clamp(s + step_s, -8.0, 9.0);
-        t = std::clamp(t + step_t, -8.0, 9.0);
-        if (std::abs(step_s) + std::abs(step_t) < 1e-12) break;
-      }
-      on = Vec3(s * leaf.w, t * leaf.h, s * a + t * b + s * t * twist);
-      normal = Vec3(-(a + t * twist) / leaf.w, -(b + s * twist) / leaf.h, 1).normalized();
-      return normal.dot(from.tangent);
-    };
-    Place at;
-    if (!find(slope_along, at)) return;
-    slope_along(at);
-    if (s < 0 || s > 1 || t < 0 || t > 1) return;
-    report(leaf, c, r, Where::patch, q + on, normal, (at.point - q - on).dot(normal), at);
+    const double z = leaf.at(c, r), a = leaf.at(c + 1, r) - z, b = leaf.at(c, r + 1) - z;
+    const RimPatch search(circle_,
+                          {leaf.texel(c, r), leaf.w, leaf.h, a, b, leaf.at(c + 1, r + 1) - z - a - b});
+    const auto met = search.run(std::max(asked_.found.limit(), asked_.overlap), middle_, cos_half_);
+    if (met && is_in_arc(met->at))
+      report(leaf, c, r, Where::patch, met->on, met->normal, (met->at.point - met->on).dot(met->normal),
+             met->at);
   }
 
  private:
-  struct Place {
-    double angle;
-    Vec3 point, out, tangent;
-  };
-  Place place(double angle) const {
-    const double c = std::cos(angle), s = std::sin(angle);
-    const Vec3 out = c * u_ + s * v_;
-    return {angle, rim_.centre + rim_.radius * out, out, c * v_ - s * u_};
-  }
+  bool is_in_arc(const RimPoint& at) const { return at.out.dot(middle_) >= cos_half_ - 1e-9; }
 
-  // Whether f changes its sign along the arc, and where.
-  template <class Function>
-  bool find(const Function& f, Place& at) const {
-    const double f_from = f(from_), f_to = f(to_);
-    if ((f_from < 0) == (f_to < 0)) return false;
-    at = place(root(from_.angle, to_.angle, f_from, f_to, [&](double angle) { return f(place(angle)); }));
-    return true;
-  }
-
-  // From texel (c, r) to (c + x, r + y): stationary where the circle's tangent has no part along what is
-  // between them, square to the crease.
+  // From texel (c, r) to (c + x, r + y): stationary where what is between a point of the rim and the crease,
+  // square to the crease, has no part along the rim.
   void crease(const Leaf& leaf, int c, int r, int x, int y) const {
-    const Vec3 q = leaf.texel(c, r), along(x * leaf.w, y * leaf.h, leaf.at(c + x, r + y) - q.z());
-    const double length2 = along.squaredNorm();
     // Nowhere a ridge, it is met nowhere.
     const auto bend = [&](int end) {
       const int i = c + end * x, j = r + end * y;
       return 2 * leaf.at(i, j) - leaf.at(i - y, j - x) - leaf.at(i + y, j + x);
     };
+    look_under(leaf, c, r, x);
     if (std::max(bend(0), bend(1)) <= 0) return;
-    const auto beside = [&](const Place& p) {
-      const Vec3& e = p.tangent;
-      return (p.point - q).dot(e - e.dot(along) / length2 * along);
-    };
-    Place at;
-    if (!find(beside, at)) return;
+    const Vec3 along(x * leaf.w, y * leaf.h, leaf.at(c + x, r + y) - leaf.at(c, r));
+    const double length2 = along.squaredNorm();
+    const auto across = [&](const Vec3& e) { return Vec3(e - e.dot(along) / length2 * along); };
+    const Vec3 from = rim_.centre - leaf.texel(c, r), u = across(circle_.u), v = across(circle_.v);
+    const CircleWave wave{from.dot(v), -from.dot(u), rim_.radius * circle_.u.dot(v),
+                          0.5 * rim_.radius * (circle_.v.dot(v) - circle_.u.dot(u))};
+    wave.for_each_zero(middle_angle_, half_arc,
+                       [&](double angle) { meet_crease(leaf, c, r, x, along, circle_.at(angle)); });
+  }
+
+  // Where rim and crease cross in plan, a rim below shows an overlap (edge_pairs.cpp).
+  void look_under(const Leaf& leaf, int c, int r, int x) const {
+    if (asked_.found.overlaps()) return;
+    const int across = x == 1 ? 1 : 0, along = 1 - across;
+    const Vec3 q = leaf.texel(c, r);
+    const double size = along == 0 ? leaf.w : leaf.h, a = circle_.u[across], b = circle_.v[across],
+                 amplitude = std::hypot(a, b), off = (q[across] - rim_.centre[across]) / rim_.radius;
+    if (!(std::abs(off) < amplitude)) return;
+    const double first = std::atan2(b, a), turn = std::acos(off / amplitude);
+    for (const double angle : {first - turn, first + turn}) {
+      const RimPoint at = circle_.at(angle);
+      const double t = (at.point[along] - q[along]) / size;
+      const double z = q.z() + t * (leaf.at(c + x, r + 1 - x) - q.z()), gap = at.point.z() - z;
+      if (t < 0 || t > 1 || gap >= 0 || !is_in_arc(at)) continue;
+      const Vec3 on = at.point - gap * Vec3::UnitZ();
+      if (!asked_.surface.placement().covers(on)) continue;
+      asked_.found.add_witness({on, Vec3::UnitZ(), gap,
+                                feature_id(leaf.i + c, leaf.j + r, x == 1 ? Where::crease_x : Where::crease_y,
+                                           Part::edge, rim_.index, asked_.child)});
+    }
+  }
+
+  void meet_crease(const Leaf& leaf, int c, int r, int x, const Vec3& along, const RimPoint& at) const {
+    const int y = 1 - x;
+    const Vec3 q = leaf.texel(c, r);
     const Vec3 &p = at.point, upward = at.tangent.cross(along);
-    const double t = (p - q).dot(along) / length2;
+    const double t = (p - q).dot(along) / along.squaredNorm();
     if (t < 0 || t > 1 || !(std::abs(upward.z()) > 1e-6 * upward.norm())) return;
     const Vec3 normal = std::copysign(1 / upward.norm(), upward.z()) * upward, on = q + t * along;
     // The slopes of both patches at the crease, across it.
@@ -159,29 +143,36 @@ class RimSearch {
       return (1 - t) * leaf.at(c + side * y, r + side * x) + t * leaf.at(c + x + side * y, r + y + side * x) -
              on.z();
     };
-    const double across = x == 1 ? leaf.h : leaf.w;
-    const double behind = -rise(-1) / across, ahead = rise(1) / across;
-    const double slope = -(x == 1 ? normal.y() : normal.x()) / normal.z(), distance = (p - on).dot(normal),
-                 more = slope_slack(slack_at(distance, asked_.overlap), slope * slope);
-    if (!(behind - ahead > flat_bend) || slope > behind + more || slope < ahead - more) return;
-    report(leaf, c, r, x == 1 ? Where::crease_x : Where::crease_y, on, normal, distance, at);
+    const double size = x == 1 ? leaf.h : leaf.w;
+    const double behind = -rise(-1) / size, ahead = rise(1) / size;
+    const double slope = -(x == 1 ? normal.y() : normal.x()) / normal.z(), distance = (p - on).dot(normal);
+    if (!(behind - ahead > flat_bend)) return;
+    const double more = slope_slack(slack_at(distance, asked_.overlap), slope * slope);
+    report(leaf, c, r, x == 1 ? Where::crease_x : Where::crease_y, on, normal, distance, at,
+           slope <= behind + more && slope >= ahead - more);
   }
 
-  // Whether the normals of the rim hold -normal; then it is a contact.
+  // If the normals of the rim hold -normal it is a contact; else, where the rim is under the relief, a way
+  // out at least.
   void report(const Leaf& leaf, int c, int r, Where where, const Vec3& q, const Vec3& normal, double distance,
-              const Place& at) const {
-    const double most = slack_at(distance, asked_.overlap);
-    if (distance < -asked_.overlap || normal.dot(rim_.normal) > most || normal.dot(at.out) > most ||
-        !asked_.surface.placement().covers(q))
-      return;
-    asked_.found.add({q, normal, distance,
-                      feature_id(leaf.i + c, leaf.j + r, where, Part::edge, rim_.index, asked_.child)});
+              const RimPoint& at, bool is_least = true) const {
+    if (distance < -asked_.overlap || !asked_.surface.placement().covers(q)) return;
+    if (distance < 0 && !is_under(asked_.surface, at.point)) return;
+    const double leaning = std::max(normal.dot(rim_.normal), normal.dot(at.out));
+    const Candidate met{q, normal, distance,
+                        feature_id(leaf.i + c, leaf.j + r, where, Part::edge, rim_.index, asked_.child)};
+    if (is_least && leaning <= slack_at(distance, asked_.overlap)) {
+      asked_.found.add(met);
+    } else if (distance < 0) {
+      asked_.found.add_spare(met);
+    }
   }
 
   const Asked& asked_;
   const Rim& rim_;
-  Vec3 u_, v_;
-  Place from_, to_;  // of the arc
+  Circle circle_;
+  double middle_angle_ = 0, cos_half_ = 1;  // of the arc
+  Vec3 middle_ = Vec3::Zero();
 };
 
 }  // namespace

@@ -47,9 +47,12 @@ void side_pairs(const Asked& asked, const Side& side, const Inside& inside) {
         if (is_least) {
           if (inside(q, distance, [&](const Vec3& other) { return can_rest_on(leaf, c, r, other, slack); }))
             asked.found.add(met);
-        } else if (distance < 0 && n.z() < under_side && !asked.found.overlaps() &&
+        } else if (distance < 0 && !asked.found.overlaps() &&
                    inside(q, distance, [](const Vec3&) { return false; })) {
-          asked.found.add_spare(met);
+          if (n.z() < under_side)
+            asked.found.add_spare(met);
+          else
+            asked.found.add_witness(met);
         }
       }
     }

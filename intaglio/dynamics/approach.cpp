@@ -79,6 +79,13 @@ contact::ContactSet deep_contacts(const TexturedShape& shape, const contact::Sha
   return out;
 }
 
+// Whether contacts are those of the plane, whatever their normals.
+bool is_flat(const ContactOptions& options) {
+  return options.representation == Representation::flat ||
+         (options.representation == Representation::normal &&
+          options.normal_method == NormalMethod::literal);
+}
+
 // Adds what the body would be in at the end of the step; whether there was any.
 bool add_met(const TexturedShape& shape, const contact::Shape& body, const Approach& approach, double slack,
              contact::ContactSet& contacts) {
@@ -100,6 +107,9 @@ bool add_met(const TexturedShape& shape, const contact::Shape& body, const Appro
 contact::ContactSet contacts_ahead(const TexturedShape& shape, const contact::Shape& body,
                                    const Approach& approach, double slack) {
   const double travel = approach.travel();
+  // On a flat rectangle nothing new lies ahead.
+  if (is_flat(shape.options()))
+    return shape.contacts(body, approach.pose, std::min(travel + slack, shape.look_ahead()));
   const double texel = std::min(shape.surface().texel_u(), shape.surface().texel_v());
   // The wider the margin the longer the search, and what lies ahead is found by looking there. Only who moves
   // so far that it could end up behind the surface looks all the way.

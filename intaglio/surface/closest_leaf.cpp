@@ -105,9 +105,9 @@ void ClosestSearch::visit_leaf(int x, int y) {
     const int cell_i = shift_i_ + index_of(i + int(c), surface_.width(), under_i_);
     const int cell_j = shift_j_ + index_of(j + int(r), surface_.height(), under_j_);
     if ((best_ && best_->i == cell_i && best_->j == cell_j) || patch.beyond(best_distance_)) continue;
-    if (!cones_.empty() &&
-        (in_cone(patch.at(0.5, 0.5), w_, h_, patch.z_s(0.5), patch.z_t(0.5), 0.25 * std::abs(patch.twist)) ||
-         (inner && has_no_minimum(int(c), int(r), left[c], low[r]))))
+    if (!cones_.empty() && (near_in_cone(patch.at(0.5, 0.5), w_, h_, patch.z_s(0.5), patch.z_t(0.5),
+                                         0.25 * std::abs(patch.twist)) ||
+                            (inner && has_no_minimum(int(c), int(r), left[c], low[r]))))
       continue;
     consider(patch, cell_i, cell_j);
   }

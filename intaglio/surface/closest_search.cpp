@@ -49,6 +49,17 @@ bool Cones::hold_ball(const Vec3& centre, double radius) const {
                      [&](const Feature& f) { return -sign_ * f.direction.dot(centre) > needed; });
 }
 
+bool Cones::hold_near(const Vec3& middle, double w, double h, double z_s, double z_t, double play,
+                      double reach) const {
+  if (cos_ <= 0) return false;
+  return std::any_of(found_.begin(), found_.end(), [&](const Feature& f) {
+    const Vec3 axis = -sign_ * f.direction;
+    const double off = 0.5 * std::abs(axis.x() * w + axis.z() * z_s) +
+                       0.5 * std::abs(axis.y() * h + axis.z() * z_t) + play * std::abs(axis.z());
+    return axis.dot(middle) - off > cos_ * reach;
+  });
+}
+
 ClosestSearch::ClosestSearch(const Surface& surface, const Vec3& p, double sign, double limit,
                              const Cones& cones)
     : surface_(surface),
@@ -90,28 +101,53 @@ std::optional<Feature> ClosestSearch::run() {
   return best_ ? std::optional(feature()) : std::nullopt;
 }
 
-// Of one copy of the texture, the blocks within reach: from the lowest level at which they are two by two at
-// most.
-void ClosestSearch::search_copy(int shift_i, int shift_j) {
-  shift_i_ = shift_i;
-  shift_j_ = shift_j;
-  origin_x_ = (shift_i + pyramid_.first() + 0.5) * w_ - asking_.x();
-  origin_y_ = (shift_j + pyramid_.first() + 0.5) * h_ - asking_.y();
-  const double reach = best_distance_;
+// The blocks of the lowest level at which they are two by two at most within `wide` of p in plan.
+ClosestSearch::Blocks ClosestSearch::blocks_within(double wide) const {
   int level = 1;
-  while (level < pyramid_.levels() && Pyramid::side(level) * std::min(w_, h_) < 2 * reach) ++level;
-  if (level == pyramid_.levels()) return descend({0, level - 1, 0, 0});
+  while (level < pyramid_.levels() && Pyramid::side(level) * std::min(w_, h_) < 2 * wide) ++level;
+  if (level == pyramid_.levels()) return {level, 0, 0, 0, 0};
   const auto block = [&](double from_origin, double size, int cells) {
     const int last = (cells - 1) / Pyramid::side(level);
     return static_cast<int>(
         std::clamp(std::floor(from_origin / (size * Pyramid::side(level))), 0.0, double(last)));
   };
-  const int x0 = block(-reach - origin_x_, w_, pyramid_.columns()),
-            x1 = block(reach - origin_x_, w_, pyramid_.columns());
-  const int y0 = block(-reach - origin_y_, h_, pyramid_.rows()),
-            y1 = block(reach - origin_y_, h_, pyramid_.rows());
-  for (int y = y0; y <= y1; ++y) {
-    for (int x = x0; x <= x1; ++x) descend({0, level - 1, x, y});
+  return {level, block(-wide - origin_x_, w_, pyramid_.columns()),
+          block(wide - origin_x_, w_, pyramid_.columns()), block(-wide - origin_y_, h_, pyramid_.rows()),
+          block(wide - origin_y_, h_, pyramid_.rows())};
+}
+
+// How far the relief in these blocks is above or below p, at least.
+double ClosestSearch::height_away(const Blocks& blocks) const {
+  Pyramid::Range all = pyramid_.whole();
+  if (blocks.level < pyramid_.levels()) {
+    all = pyramid_.range(blocks.level, blocks.x0, blocks.y0);
+    for (int y = blocks.y0; y <= blocks.y1; ++y) {
+      for (int x = blocks.x0; x <= blocks.x1; ++x) {
+        const Pyramid::Range range = pyramid_.range(blocks.level, x, y);
+        all = {std::min(all.shallow, range.shallow), std::max(all.deep, range.deep)};
+      }
+    }
+  }
+  return away(-surface_.max_depth() * all.deep - asking_.z(),
+              -surface_.max_depth() * all.shallow - asking_.z());
+}
+
+// Of one copy of the texture, the blocks within reach; seen from far above, that is little in plan.
+void ClosestSearch::search_copy(int shift_i, int shift_j) {
+  shift_i_ = shift_i;
+  shift_j_ = shift_j;
+  origin_x_ = (shift_i + pyramid_.first() + 0.5) * w_ - asking_.x();
+  origin_y_ = (shift_j + pyramid_.first() + 0.5) * h_ - asking_.y();
+  Blocks blocks = blocks_within(best_distance_);
+  const double dz = height_away(blocks);
+  if (dz >= best_distance_) return;
+  if (dz > 0.5 * best_distance_) blocks = blocks_within(std::sqrt(best2_ - dz * dz));
+  if (blocks.level == pyramid_.levels()) return descend({0, blocks.level - 1, 0, 0});
+  for (int y = blocks.y0; y <= blocks.y1; ++y) {
+    for (int x = blocks.x0; x <= blocks.x1; ++x) {
+      if (cones_.empty() || blocks.level > slab_levels || !is_useless(blocks.level, x, y))
+        descend({0, blocks.level - 1, x, y});
+    }
   }
 }
 
@@ -200,6 +236,22 @@ bool ClosestSearch::in_cone(const Vec3& middle, double w, double h, double z_s, 
   return cones_.hold_ball(middle, 0.5 * std::sqrt(diagonal2) + play);
 }
 
+bool ClosestSearch::near_in_cone(const Vec3& middle, double w, double h, double z_s, double z_t,
+                                 double play) const {
+  // Only what is within reach counts, so the sides may be cut to that.
+  const double thick = 0.5 * (std::abs(z_s) + std::abs(z_t)) + play;
+  const double dz = away(middle.z() - thick, middle.z() + thick), wide2 = best2_ - dz * dz;
+  if (!(wide2 > 0)) return true;
+  const double wide = std::sqrt(wide2);
+  const double x0 = std::max(middle.x() - 0.5 * w, -wide), x1 = std::min(middle.x() + 0.5 * w, wide),
+               y0 = std::max(middle.y() - 0.5 * h, -wide), y1 = std::min(middle.y() + 0.5 * h, wide);
+  if (!(x0 < x1 && y0 < y1)) return true;
+  const double x = 0.5 * (x0 + x1), y = 0.5 * (y0 + y1), slope_x = z_s / w, slope_y = z_t / h;
+  const double z = middle.z() + slope_x * (x - middle.x()) + slope_y * (y - middle.y());
+  return cones_.hold_near({x, y, z}, x1 - x0, y1 - y0, slope_x * (x1 - x0), slope_y * (y1 - y0), play,
+                          best_distance_);
+}
+
 // Whether the slab of a block shows that nothing in it is wanted.
 bool ClosestSearch::is_useless(int level, int x, int y) const {
   const int side = Pyramid::side(level);
@@ -215,7 +267,13 @@ bool ClosestSearch::is_useless(int level, int x, int y) const {
                     scale * 0.5 * (slab.low + slab.high) - asking_.z());
   if (parallelogram_beyond(middle, w, h, a, b, best_distance_ + play)) return true;
   if (cones_.empty()) return false;
-  if (in_cone(middle, w, h, a, b, play)) return true;
+  if (near_in_cone(middle, w, h, a, b, play) || in_cone(middle, w, h, a, b, play)) return true;
+  if (level > 0) {
+    // The slab of a large block may tilt; its box does not.
+    const Pyramid::Range range = pyramid_.range(level, x, y);
+    const Vec3 centre(middle.x(), middle.y(), scale * 0.5 * (range.shallow + range.deep) - asking_.z());
+    if (near_in_cone(centre, w, h, 0, 0, -scale * 0.5 * (range.deep - range.shallow))) return true;
+  }
   // Where the distance falls all along an axis there is no minimum, except on the border. So the cells around
   // the block count too: a quarter more on both sides, at most.
   const double spread_a = -scale * side * slab.spread_x, spread_b = -scale * side * slab.spread_y;

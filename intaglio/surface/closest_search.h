@@ -28,6 +28,10 @@ class Cones {
   // Whether a ball, its centre as seen from the asking point, is wholly within one cone. False when that is
   // not certain.
   bool hold_ball(const Vec3& centre, double radius) const;
+  // Whether all of a parallelogram (closest_cell.h), give or take `play` along z, that is nearer than `reach`
+  // is within one cone: where it is far enough along the cone's axis, it can only be.
+  bool hold_near(const Vec3& middle, double w, double h, double z_s, double z_t, double play,
+                 double reach) const;
 
  private:
   std::span<const Feature> found_;
@@ -55,15 +59,23 @@ class ClosestSearch {
   // Of the three siblings left behind at each level of the deepest descent.
   static constexpr std::size_t deepest = 4 * 32;
 
+  struct Blocks {
+    int level, x0, x1, y0, y1;
+  };
+
   void search_copy(int shift_i, int shift_j);
+  Blocks blocks_within(double wide) const;
+  double height_away(const Blocks& blocks) const;
   void descend(const Entry& top);
   std::size_t near_children(const Entry& entry, std::array<Entry, 4>& children) const;
   void prefetch(int x, int y) const;
   void visit_leaf(int x, int y);
   void load(int i, int j);
   bool is_useless(int level, int x, int y) const;
-  // Whether a parallelogram (closest_cell.h), give or take `play`, is within a cone.
+  // Whether a parallelogram (closest_cell.h), give or take `play`, is within a cone; or what of it is nearer
+  // than the best so far.
   bool in_cone(const Vec3& middle, double w, double h, double z_s, double z_t, double play) const;
+  bool near_in_cone(const Vec3& middle, double w, double h, double z_s, double z_t, double play) const;
   bool has_no_minimum(int column, int row, double left, double low) const;
   void consider(const SeenPatch& patch, int i, int j);
   bool is_local_minimum(const Best& candidate) const;

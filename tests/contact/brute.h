@@ -1,5 +1,6 @@
-// The distance of a body and a relief without pyramid, features or normals: every patch under the body is cut
-// in four, and on, as long as the body's distance, a convex function, can be less in it than the least found.
+// The distance of a body and a relief without pyramid, features or normals: every patch near the body's
+// bounding ball is cut in four, and on, as long as the body's distance, a convex function, can be less in it
+// than the least found.
 #pragma once
 
 #include <algorithm>
@@ -55,7 +56,7 @@ struct BodyDistance {
     return {d, Vec3::Unit(axis) * (q[axis] < 0 ? -1 : 1)};
   }
   Distance operator()(const contact::Cylinder& s) const {
-    const double across = std::hypot(q.x(), q.z());
+    const double across = std::sqrt(q.x() * q.x() + q.z() * q.z());
     const Vec3 out = across > 0 ? Vec3(q.x() / across, 0, q.z() / across) : Vec3(Vec3::UnitX());
     const double r = across - s.radius, h = std::abs(q.y()) - s.half_height;
     const Vec3 up = Vec3::UnitY() * (q.y() < 0 ? -1 : 1);
@@ -89,16 +90,26 @@ struct BodyDistance {
   }
 };
 
+// What bounds a body, local frame.
+struct Ball {
+  Vec3 centre;
+  double radius;
+};
+
 class BruteDistance {
  public:
-  // `function(q)` is the signed distance of a convex body from q, local frame.
+  // `function(q)` is the signed distance of a convex body from q, local frame; the body is in the ball.
   template <class Function>
-  BruteDistance(const surface::Surface& surface, const Function& function, double reach,
+  BruteDistance(const surface::Surface& surface, const Function& function, double reach, const Ball& ball,
                 double floor = -std::numeric_limits<double>::infinity())
       : best_(reach), floor_(floor) {
     for (int j = 0; j + 1 < surface.height(); ++j) {
       for (int i = 0; i + 1 < surface.width(); ++i) {
         const surface::Cell cell = surface.cell(i, j);
+        const Vec3 middle = cell.at(0.5, 0.5);
+        double half = 0;
+        for (int k = 0; k < 4; ++k) half = std::max(half, (cell.at(k & 1, k >> 1) - middle).norm());
+        if ((middle - ball.centre).norm() > ball.radius + half + reach) continue;
         search(cell, function, measured(cell, function, 0, 0, 1), 0);
       }
     }
@@ -152,6 +163,7 @@ inline double brute_distance(const surface::Surface& surface, const contact::Sha
   }
   const surface::Placement& place = surface.placement();
   const auto in_body = [&](const Vec3& local) { return pose.to_local(place.to_world(local)); };
+  const Ball ball{place.to_local(pose.position), contact::bounding_radius(shape)};
   const auto out = [&](const Vec3& body) { return place.direction_to_local(pose.orientation * body); };
   if (const auto* mesh = std::get_if<contact::Mesh>(&shape)) {
     double least = reach;
@@ -163,7 +175,7 @@ inline double brute_distance(const surface::Surface& surface, const contact::Sha
         const Distance d = from_point(b, nearest_on_triangle(b, corner(0), corner(1), corner(2)));
         return Distance{d.value, out(d.gradient)};
       };
-      least = BruteDistance(surface, triangle, least, 1e-8).value();
+      least = BruteDistance(surface, triangle, least, ball, 1e-8).value();
     }
     return least;
   }
@@ -172,7 +184,7 @@ inline double brute_distance(const surface::Surface& surface, const contact::Sha
     const Distance d = std::visit(BodyDistance{b}, shape);
     return Distance{d.value, out(d.gradient)};
   };
-  return BruteDistance(surface, distance, reach).value();
+  return BruteDistance(surface, distance, reach, ball).value();
 }
 
 }  // namespace intaglio::tests
