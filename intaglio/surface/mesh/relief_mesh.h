@@ -47,6 +47,13 @@ class ReliefMesh {
   ReliefTriangle triangle(int k) const;
   const ReliefCells& cells() const { return data_->cells; }
 
+  // Calls visit(k) for the triangles whose relief may reach into a box.
+  template <class Visit>
+  void for_each_triangle(const Box& wanted, const Visit& visit) const {
+    data_->tree.search([&](const Box& box) { return box.intersects(wanted) ? 0.0 : 2.0; }, [] { return 1.0; },
+                       visit);
+  }
+
   // Visits the pieces of the relief that may be wanted, nearest first by and large. An asker has
   //   double limit()                   what is not below is not wanted; it may fall meanwhile
   //   double least(const Box&)         a lower bound of what anything in the box is worth

@@ -101,6 +101,14 @@ bool is_local_minimum(const ReliefMesh& relief, const MeshFeature& feature, cons
   return out;
 }
 
+MeshPlace first_of(const ReliefMesh& relief, int triangle, const Vec2& weights) {
+  MeshPlace out{triangle, weights};
+  for_each_around(relief, triangle, weights, [&](int other, const Vec2& theirs) {
+    if (other < out.triangle) out = {other, theirs};
+  });
+  return out;
+}
+
 bool is_beyond_border(const ReliefMesh& relief, int triangle, const Vec2& weights, const Vec3& away) {
   const std::array<double, 3> all = {1 - weights[0] - weights[1], weights[0], weights[1]};
   bool on_border = false;

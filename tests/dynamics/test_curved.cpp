@@ -1,0 +1,126 @@
+// Reliefs on curved bases in Bullet: a ball in a bowl, on a pipe, and a textured ball on the floor.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "intaglio/dynamics/curved_shape.h"
+#include "tests/contact/curved_bases.h"
+#include "tests/dynamics/plain_bullet.h"
+
+using namespace intaglio;
+using tests::PlainBullet;
+
+namespace {
+
+constexpr double g = 9.81;
+
+// A plain Bullet world whose penetrations are undone without a push.
+struct CurvedWorld : PlainBullet {
+  explicit CurvedWorld(std::shared_ptr<const surface::Surface> floor = tests::no_relief())
+      : PlainBullet(std::move(floor)) {
+    btContactSolverInfo& info = world.getSolverInfo();
+    info.m_splitImpulse = 1;
+    info.m_splitImpulsePenetrationThreshold = 0;
+    info.m_numIterations = 30;
+  }
+  btRigidBody& add_rolling(btScalar mass, btCollisionShape& of, const Vec3& at, double friction = 1) {
+    btRigidBody& body =
+        add(mass, of, {btScalar(at.x()), btScalar(at.y()), btScalar(at.z())});
+    body.setFriction(btScalar(friction));
+    body.setSleepingThresholds(0, 0);
+    return body;
+  }
+};
+
+Vec3 vec(const btVector3& v) {
+  return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
+}
+
+// J/kg.
+double energy(const btRigidBody& body) {
+  const double mass = 1 / static_cast<double>(body.getInvMass());
+  const btVector3 spin = body.getAngularVelocity();
+  return 0.5 * vec(body.getLinearVelocity()).squaredNorm() +
+         0.5 * static_cast<double>(spin.dot(body.getInvInertiaTensorWorld().inverse() * spin)) / mass +
+         g * static_cast<double>(body.getWorldTransform().getOrigin().y());
+}
+
+}  // namespace
+
+TEST_CASE("a ball rolls to and fro in a smooth bowl at the frequency of the closed form") {
+  const double R = 1, r = 0.1, amplitude = 0.1;
+  const dynamics::CurvedShape* keep = nullptr;
+  (void)keep;
+  dynamics::CurvedShape bowl(tests::relief_on(surface::make_bowl(R, 512, 256), tests::no_relief()));
+  CurvedWorld plain;
+  plain.add_rolling(0, bowl, Vec3::Zero());
+  btSphereShape ball{btScalar(r)};
+  // Along a diagonal of no importance to the mesh.
+  const double heading = 0.3, rate = 480;
+  const Vec3 out(std::cos(heading), 0, std::sin(heading));
+  btRigidBody& body = plain.add_rolling(
+      1, ball, (R - r) * (std::sin(amplitude) * out - std::cos(amplitude) * Vec3::UnitY()));
+  const double first = energy(body);
+  double highest = first, last = 1, last_time = 0, aside = 0;
+  std::vector<double> crossings;
+  for (int k = 1; crossings.size() < 9 && k < 20 * rate; ++k) {
+    plain.world.stepSimulation(btScalar(1 / rate), 0);
+    const Vec3 at = vec(body.getWorldTransform().getOrigin());
+    const double x = at.dot(out), time = k / rate;
+    if ((x < 0) != (last < 0)) crossings.push_back(last_time + (time - last_time) * last / (last - x));
+    last = x;
+    last_time = time;
+    aside = std::max(aside, std::abs(at.dot(Vec3(-out.z(), 0, out.x()))));
+    highest = std::max(highest, energy(body));
+  }
+  REQUIRE(crossings.size() == 9);
+  const double frequency = 4 / (crossings.back() - crossings.front());
+  const double closed = std::sqrt(5.0 / 7 * g / (R - r)) / (2 * std::numbers::pi);
+  // Of an amplitude that is not small: 1 + a^2 / 16 longer.
+  MESSAGE("frequency " << frequency << " Hz, closed form " << closed << ", off by "
+                       << 100 * (frequency / closed - 1) << " %; energy " << first << " -> " << energy(body)
+                       << " J/kg, highest " << highest - first << " over it, aside " << aside);
+  CHECK(std::abs(frequency / closed - 1) < 0.01);
+  CHECK(highest - first < 1e-4 * g * r);
+  CHECK(aside < 0.01 * R);
+}
+
+TEST_CASE("a ball in a relief-mapped bowl: energy never rises, and it comes to rest in a dimple") {
+  const double R = 0.5, r = 0.03;
+  // Dimples: 16 around and 8 up, 5 mm deep, none at the bottom and at the rim.
+  const auto dimples = tests::made_surface(
+      256,
+      [](Vec2 uv) {
+        const double up = std::sin(8 * std::numbers::pi * uv.y()), around = std::sin(16 * std::numbers::pi * uv.x());
+        return std::sin(std::numbers::pi * uv.y()) * up * up * around * around;
+      },
+      [](Vec2) { return Vec3::UnitZ(); }, 0.005);
+  dynamics::CurvedShape bowl(tests::relief_on(surface::make_bowl(R, 128, 64), dimples));
+  for (const int rate : {120, 480}) {
+    CurvedWorld plain;
+    plain.add_rolling(0, bowl, Vec3::Zero());
+    btSphereShape ball{btScalar(r)};
+    btRigidBody& body = plain.add_rolling(1, ball, Vec3(0.25, -0.3, 0.05));
+    const double first = energy(body);
+    double highest = first, lowest_so_far = first, rise = 0;
+    for (int k = 1; k < 15 * rate; ++k) {
+      plain.world.stepSimulation(btScalar(1.0 / rate), 0);
+      const double now = energy(body);
+      highest = std::max(highest, now);
+      rise = std::max(rise, now - lowest_so_far);
+      lowest_so_far = std::min(lowest_so_far, now);
+    }
+    const Vec3 at = vec(body.getWorldTransform().getOrigin());
+    const auto under = bowl.relief().base().closest(at, 1);
+    REQUIRE(under);
+    MESSAGE(rate << " Hz: energy " << first << " -> " << energy(body) << " J/kg, highest over the first "
+                 << highest - first << ", greatest rise " << rise << "; at rest at " << at.transpose() << ", depth "
+                 << dimples->depth(under->uv) << ", speed "
+                 << vec(body.getLinearVelocity()).norm());
+    CHECK(vec(body.getLinearVelocity()).norm() < 0.01);
+    CHECK(highest - first < 1e-3 * g * r);
+    CHECK(at.norm() < R);
+  }
+}
