@@ -28,8 +28,8 @@ struct Meeting {
 
   double texel() const { return std::min(ground.texel_u(), ground.texel_v()); }
   std::uint64_t name(int triangle, const Vec2& weights, int i, int j) const {
-    const auto cell = static_cast<std::uint64_t>(static_cast<std::uint32_t>(i)) << 32 |
-                      static_cast<std::uint32_t>(j);
+    const auto cell =
+        static_cast<std::uint64_t>(static_cast<std::uint32_t>(i)) << 32 | static_cast<std::uint32_t>(j);
     return curved_feature_id(body, triangle, weights, Part::face, 0, 0) ^ (cell * 0x9e3779b97f4a7c15ull);
   }
 };
@@ -93,13 +93,7 @@ class GroundSearch {
       if (is_near(flat)) touch(piece);
       return;
     }
-    // Across the longer way.
-    double a = 0, b = 0;
-    for (const Vec2& corner : piece.outline) {
-      a = std::max(a, std::abs(corner[0] - middle[0]));
-      b = std::max(b, std::abs(corner[1] - middle[1]));
-    }
-    const Vec2 across = a * flat.along_a.norm() >= b * flat.along_b.norm() ? Vec2(1, 0) : Vec2(0, 1);
+    const Vec2 across = flat.longer_way();
     surface::WeightPolygon below, above;
     piece.outline.split(across, -across.dot(middle), below, above);
     for (const surface::WeightPolygon* half : {&below, &above}) {
@@ -196,7 +190,8 @@ void add_texels(const Meeting& meeting) {
     const auto f = closest_point(meeting.body, meeting.frame.back(at), meeting.texel());
     if (!f || f->distance >= 0 || !ground.placement().covers(at)) continue;
     const Vec3 normal = meeting.frame.axes * -f->direction;
-    if (normal.z() > 1e-3) meeting.found.add({at, normal, f->distance, meeting.name(f->triangle, f->weights, i, j)});
+    if (normal.z() > 1e-3)
+      meeting.found.add({at, normal, f->distance, meeting.name(f->triangle, f->weights, i, j)});
   }
 }
 

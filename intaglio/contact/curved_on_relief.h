@@ -5,11 +5,11 @@
 // negative (closest.h), the least over the body; and where they overlap, of the ground's texels that stick
 // into the body theirs to the body's relief, if that is deeper. Apart, it is the distance of the two fields.
 //
-// How it is found: the body's pieces that may be within the margin, by its tree and bounds of the ground below
-// each, are cut to the size of the ground's texels; on each, from its lowest point, the nearest point of the
-// ground and the piece's lowest point towards that take turns. That ends in a local minimum of the piece, so
-// what may be missed is a second, lower one within the same texel: 1e-4 of a texel in 4000 poses of the test,
-// and otherwise nothing (docs/curved.md). On a flat ground: exact.
+// How it is found: the body's pieces that may be within the margin, by its tree and bounds of the ground
+// below each, are cut to the size of the ground's texels; on each, from its lowest point, the nearest point
+// of the ground and the piece's lowest point towards that take turns. That ends in a local minimum of the
+// piece, so what may be missed is a second, lower one within the same texel: 1e-4 of a texel in 4000 poses of
+// the test, and otherwise nothing (docs/curved.md). On a flat ground: exact.
 #pragma once
 
 #include "intaglio/contact/contact_point.h"

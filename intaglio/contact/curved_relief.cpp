@@ -7,7 +7,6 @@
 #include "intaglio/contact/question.h"
 #include "intaglio/contact/slack.h"
 #include "intaglio/contact/supporting_plane.h"
-#include "intaglio/surface/mesh/relief_minimum.h"
 
 namespace intaglio::contact {
 
@@ -55,8 +54,8 @@ void corner(const CurvedAsked& asked, const Vec3& at, std::span<const Vec3> arou
   if (is_least) asked.add(*nearest, 0, Part::vertex, index);
 }
 
-// The relief inside of a convex body or near its faces: of each piece the point deepest below the plane of
-// the face that it is nearest to.
+// The relief inside of a convex body or near its faces: of each piece the point that is deepest in, of those
+// whose outer side looks at the face that is nearest.
 template <class Body>
 class InsideSearch {
  public:
@@ -72,40 +71,65 @@ class InsideSearch {
     return plane.height + piece.least_along(plane.normal) - piece.play;
   }
   void visit(const surface::ReliefPiece& piece) {
-    Vec2 at = piece.outline.middle();
-    SupportingPlane plane = body_.plane_at(piece.point(at));
-    for (const Vec2& corner : piece.outline) {
-      const SupportingPlane other = body_.plane_at(piece.point(corner));
-      if (other.height >= plane.height) continue;
-      plane = other;
-      at = corner;
-    }
-    // Towards the plane of that face; further only while it stays the nearest.
-    const double offset = plane.normal.dot(piece.point(at)) - plane.height;
-    const surface::PlaneCore core{plane.normal, offset};
-    surface::PieceMinimiser<surface::PlaneCore> minimiser(piece, core, plane.height);
-    if (minimiser.run()) {
-      const SupportingPlane there = body_.plane_at(piece.point(minimiser.best().weights));
-      if (there.height < plane.height) {
-        plane = there;
-        at = minimiser.best().weights;
-      }
-    }
-    if (!(plane.height <= asked_.found.limit())) return;
-    // Its outer side must look at the face.
-    if (piece.base_normal(at).dot(plane.normal) >= 0) return;
+    best_.height = asked_.found.limit() + 1e-300;
+    found_ = false;
+    search(piece, 10);
+    if (!found_) return;
     MeshFeature feature;
-    feature.point = piece.point(at);
-    feature.direction = -plane.normal;
-    feature.distance = plane.height;
+    feature.point = piece.point(at_);
+    feature.direction = -best_.normal;
+    feature.distance = best_.height;
     feature.triangle = piece.triangle.index;
-    feature.weights = at;
-    asked_.add(feature, 0, Part::face, plane.face);
+    feature.weights = at_;
+    asked_.add(feature, 0, Part::face, best_.face);
   }
 
  private:
+  // The face that a place is nearest to, and whether the relief's outer side looks at it there.
+  struct Look {
+    SupportingPlane plane;
+    bool faces;
+  };
+  Look look(const surface::ReliefPiece& piece, const Vec2& at) {
+    const SupportingPlane plane = body_.plane_at(piece.point(at));
+    const bool faces = piece.base_normal(at).dot(plane.normal) < 0;
+    if (faces && plane.height < best_.height) {
+      best_ = plane;
+      at_ = at;
+      found_ = true;
+    }
+    return {plane, faces};
+  }
+
+  // Where one face is nearest, the lowest place is a corner; along the seams of faces the piece is cut.
+  void search(const surface::ReliefPiece& piece, int cuts) {
+    const Vec2 middle = piece.outline.middle();
+    const Look centre = look(piece, middle);
+    bool any = centre.faces, seam = false;
+    for (const Vec2& corner : piece.outline) {
+      const Look here = look(piece, corner);
+      any = any || here.faces;
+      seam = seam || here.plane.normal != centre.plane.normal;
+    }
+    if (cuts == 0 || !any || !seam) return;
+    const surface::FlatPiece flat(piece.triangle, piece.outline, piece.heights(middle), middle);
+    if (least(flat) >= best_.height - 1e-3 * asked_.relief.texel()) return;
+    surface::WeightPolygon below, above;
+    const Vec2 across = flat.longer_way();
+    piece.outline.split(across, -across.dot(middle), below, above);
+    for (const surface::WeightPolygon* half : {&below, &above}) {
+      if (half->is_empty()) continue;
+      surface::ReliefPiece part = piece;
+      part.outline = *half;
+      search(part, cuts - 1);
+    }
+  }
+
   const CurvedAsked& asked_;
   const Body& body_;
+  SupportingPlane best_{Vec3::Zero(), 0, 0};
+  Vec2 at_ = Vec2::Zero();
+  bool found_ = false;
 };
 
 template <class Body>

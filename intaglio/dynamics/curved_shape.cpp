@@ -34,8 +34,7 @@ void CurvedShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const
     const double part = a.dot(b.cross(c)) / 6;
     volume += part;
     const Vec3 sum = a + b + c;
-    squares += part / 20 *
-               (a.cwiseAbs2() + b.cwiseAbs2() + c.cwiseAbs2() + sum.cwiseAbs2());
+    squares += part / 20 * (a.cwiseAbs2() + b.cwiseAbs2() + c.cwiseAbs2() + sum.cwiseAbs2());
   }
   const Vec3 box = relief_.bounds().sizes();
   if (!(volume > 1e-3 * box.prod())) {

@@ -179,7 +179,7 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
   std::array<btPersistentManifold*, most_manifolds> manifolds_{};
   std::size_t manifold_count_ = 0;
   const TouchableShape* relief_ = nullptr;  // of the body, when it is textured itself
-  contact::Shape shape_;                   // of the body; Bullet makes a new algorithm when it changes
+  contact::Shape shape_;                    // of the body; Bullet makes a new algorithm when it changes
   bool swapped_, reports_;
 };
 

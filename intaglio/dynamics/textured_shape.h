@@ -54,8 +54,9 @@ class TexturedShape : public TouchableShape {
   ContactOptions options_;
 };
 
-// Teaches `dispatcher` to meet every kind of shape with TexturedShape and CurvedShape, in both orders of a pair, for steps
-// and for contactTest. Bullet gives btSdfCollisionShape the same number: the two cannot be in one world.
+// Teaches `dispatcher` to meet every kind of shape with TexturedShape and CurvedShape, in both orders of a
+// pair, for steps and for contactTest. Bullet gives btSdfCollisionShape the same number: the two cannot be in
+// one world.
 void register_algorithms(btCollisionDispatcher& dispatcher);
 
 }  // namespace intaglio::dynamics

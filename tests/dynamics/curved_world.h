@@ -21,8 +21,7 @@ struct CurvedWorld : PlainBullet {
     info.m_numIterations = 30;
   }
   btRigidBody& add_rolling(btScalar mass, btCollisionShape& of, const Vec3& at, double friction = 1) {
-    btRigidBody& body =
-        add(mass, of, {btScalar(at.x()), btScalar(at.y()), btScalar(at.z())});
+    btRigidBody& body = add(mass, of, {btScalar(at.x()), btScalar(at.y()), btScalar(at.z())});
     body.setFriction(btScalar(friction));
     body.setSleepingThresholds(0, 0);
     return body;

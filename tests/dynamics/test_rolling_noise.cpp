@@ -73,8 +73,7 @@ double amplitude(const std::vector<double>& signal, double frequency) {
   std::complex<double> sum = 0;
   for (std::size_t k = 0; k < signal.size(); ++k) {
     const double window = 1 - std::cos(2 * pi * static_cast<double>(k) / static_cast<double>(signal.size()));
-    sum += window * (signal[k] - mean) *
-           std::polar(1.0, -2 * pi * frequency * static_cast<double>(k) / rate);
+    sum += window * (signal[k] - mean) * std::polar(1.0, -2 * pi * frequency * static_cast<double>(k) / rate);
   }
   return 2 * std::abs(sum) / static_cast<double>(signal.size());
 }
@@ -94,15 +93,16 @@ double peak(const std::vector<double>& signal, double low, double high) {
 }  // namespace
 
 TEST_CASE("a textured ball that rolls on a flat floor: its noise has the period of its texture") {
-  const auto flat = floor_of(4, [](Vec2) { return 0.0; }, 0);
+  const auto flat = floor_of(
+      4, [](Vec2) { return 0.0; }, 0);
   for (const double speed : {0.5, 1.0}) {
     const Rolled rolled = roll(flat, speed);
     const double expected = waves * rolled.speed / (2 * pi * radius);
     const double height = peak(rolled.height, 0.25 * expected, 4 * expected),
                  force = peak(rolled.force, 0.25 * expected, 4 * expected);
-    MESSAGE(speed << " m/s (mean " << rolled.speed << "): N v / 2 pi R = " << expected << " Hz; height peaks at "
-                  << height << " Hz (" << 1e6 * amplitude(rolled.height, height) << " um), force at " << force
-                  << " Hz (" << amplitude(rolled.force, force) << " m/s^2)");
+    MESSAGE(speed << " m/s (mean " << rolled.speed << "): N v / 2 pi R = " << expected
+                  << " Hz; height peaks at " << height << " Hz (" << 1e6 * amplitude(rolled.height, height)
+                  << " um), force at " << force << " Hz (" << amplitude(rolled.force, force) << " m/s^2)");
     CHECK(std::abs(height / expected - 1) < 0.01);
     CHECK(std::abs(force / expected - 1) < 0.01);
     CHECK(rolled.speed == doctest::Approx(speed).epsilon(0.05));

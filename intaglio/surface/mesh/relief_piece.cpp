@@ -55,6 +55,15 @@ double FlatPiece::radius() const {
   return std::sqrt(most) + play;
 }
 
+Vec2 FlatPiece::longer_way() const {
+  double a = 0, b = 0;
+  for (const Vec2& corner : outline) {
+    a = std::max(a, std::abs(corner[0] - at[0]));
+    b = std::max(b, std::abs(corner[1] - at[1]));
+  }
+  return a * along_a.norm() >= b * along_b.norm() ? Vec2(1, 0) : Vec2(0, 1);
+}
+
 Vec3 ReliefPiece::Jet::second_along(const Vec3& g) const {
   const double gn = g.dot(n), ga = g.dot(n_a), gb = g.dot(n_b);
   const double aa = -(2 * ga * length_a + gn * n_a.squaredNorm() * length) / length;

@@ -53,6 +53,8 @@ struct FlatPiece {
   }
   // No point of it is farther from the middle.
   double radius() const;
+  // The weight, as a unit vector, across which to cut it in two.
+  Vec2 longer_way() const;
 };
 
 // The relief over the part of a triangle that lies in one cell.
