@@ -51,10 +51,9 @@ bool Candidates::use_spare() {
   return true;
 }
 
-void Candidates::choose(const surface::Surface& surface, ContactSet& set) {
+std::size_t Candidates::choose(Chosen& chosen) {
   std::sort(kept_.begin(), kept_.begin() + static_cast<std::ptrdiff_t>(count_),
             [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });
-  std::array<const Candidate*, ContactSet::capacity> chosen;
   std::size_t count = 0;
   std::array<bool, capacity> used{};
   const auto take = [&](std::size_t k) {
@@ -89,6 +88,12 @@ void Candidates::choose(const surface::Surface& surface, ContactSet& set) {
   }
   std::sort(chosen.begin(), chosen.begin() + static_cast<std::ptrdiff_t>(count),
             [](const Candidate* a, const Candidate* b) { return a->distance < b->distance; });
+  return count;
+}
+
+void Candidates::choose(const surface::Surface& surface, ContactSet& set) {
+  Chosen chosen;
+  const std::size_t count = choose(chosen);
   for (std::size_t k = 0; k < count; ++k) set.points[set.count++] = reported(surface, *chosen[k]);
 }
 

@@ -72,6 +72,8 @@ class Candidates {
   bool use_spare();
 
   // The deepest, then those whose normals differ from all chosen, then those that widen the support.
+  using Chosen = std::array<const Candidate*, ContactSet::capacity>;
+  std::size_t choose(Chosen& chosen);  // how many; the deepest first
   void choose(const surface::Surface& surface, ContactSet& set);
 
  private:

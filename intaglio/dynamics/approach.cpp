@@ -65,7 +65,7 @@ namespace {
 
 // What the body would be in by more than `slack`. Of a ball, a smaller one is asked: mostly it touches
 // nothing, and that is found out sooner than what a whole one touches.
-contact::ContactSet deep_contacts(const TexturedShape& shape, const contact::Shape& body, const Pose& pose,
+contact::ContactSet deep_contacts(const TouchableShape& shape, const contact::Shape& body, const Pose& pose,
                                   double slack) {
   contact::ContactSet out;
   const auto* ball = std::get_if<contact::Sphere>(&body);
@@ -79,15 +79,8 @@ contact::ContactSet deep_contacts(const TexturedShape& shape, const contact::Sha
   return out;
 }
 
-// Whether contacts are those of the plane, whatever their normals.
-bool is_flat(const ContactOptions& options) {
-  return options.representation == Representation::flat ||
-         (options.representation == Representation::normal &&
-          options.normal_method == NormalMethod::literal);
-}
-
 // Adds what the body would be in at the end of the step; whether there was any.
-bool add_met(const TexturedShape& shape, const contact::Shape& body, const Approach& approach, double slack,
+bool add_met(const TouchableShape& shape, const contact::Shape& body, const Approach& approach, double slack,
              contact::ContactSet& contacts) {
   const Pose later = approach.predicted(contacts);
   const std::size_t before = contacts.count;
@@ -104,13 +97,13 @@ bool add_met(const TexturedShape& shape, const contact::Shape& body, const Appro
 
 }  // namespace
 
-contact::ContactSet contacts_ahead(const TexturedShape& shape, const contact::Shape& body,
+contact::ContactSet contacts_ahead(const TouchableShape& shape, const contact::Shape& body,
                                    const Approach& approach, double slack) {
   const double travel = approach.travel();
   // On a flat rectangle nothing new lies ahead.
-  if (is_flat(shape.options()))
+  if (shape.is_plane())
     return shape.contacts(body, approach.pose, std::min(travel + slack, shape.look_ahead()));
-  const double texel = std::min(shape.surface().texel_u(), shape.surface().texel_v());
+  const double texel = shape.texel();
   // The wider the margin the longer the search, and what lies ahead is found by looking there. Only who moves
   // so far that it could end up behind the surface looks all the way.
   const double margin = travel < 0.5 * approach.reach ? std::min(travel + slack, 0.3 * texel) : travel;

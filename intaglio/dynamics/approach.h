@@ -7,7 +7,7 @@
 
 #include "intaglio/contact/contact_point.h"
 #include "intaglio/core/vec.h"
-#include "intaglio/dynamics/textured_shape.h"
+#include "intaglio/dynamics/touchable_shape.h"
 
 namespace intaglio::dynamics {
 
@@ -32,7 +32,7 @@ struct Approach {
 // Where `body` touches or will touch in the step. Contacts where it is now, and those that it would run into:
 // where it will be, it is looked at again, and what it then is in by more than `slack` is added as the plane
 // that it meets.
-contact::ContactSet contacts_ahead(const TexturedShape& shape, const contact::Shape& body,
+contact::ContactSet contacts_ahead(const TouchableShape& shape, const contact::Shape& body,
                                    const Approach& approach, double slack);
 
 }  // namespace intaglio::dynamics

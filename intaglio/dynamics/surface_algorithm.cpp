@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 
-#include "intaglio/contact/relief_relief.h"
 #include "intaglio/dynamics/approach.h"
 #include "intaglio/dynamics/bullet_shape.h"
 #include "intaglio/dynamics/bullet_vec.h"
@@ -48,7 +47,7 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
         swapped_(swapped),
         reports_(reports) {
     if (body.getCollisionShape()->getShapeType() == CUSTOM_CONCAVE_SHAPE_TYPE)
-      relief_ = static_cast<const TexturedShape*>(body.getCollisionShape());
+      relief_ = static_cast<const TouchableShape*>(body.getCollisionShape());
     add_manifold(*body.getCollisionObject(), *textured.getCollisionObject());
   }
   ~SurfaceAlgorithm() override {
@@ -59,10 +58,10 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
                         const btDispatcherInfo& info, btManifoldResult* result) override {
     const btCollisionObjectWrapper& body = swapped_ ? *b : *a;
     const btCollisionObjectWrapper& textured = swapped_ ? *a : *b;
-    const auto& shape = static_cast<const TexturedShape&>(*textured.getCollisionShape());
+    const auto& shape = static_cast<const TouchableShape&>(*textured.getCollisionShape());
     if (reports_) return report(shape, body, textured, *result);
     const Approach approach(body, textured, static_cast<double>(info.m_timeStep));
-    const double slack = 0.01 * std::min(shape.surface().texel_u(), approach.reach);
+    const double slack = 0.01 * std::min(shape.texel(), approach.reach);
     contact::ContactSet contacts;
     if (is_near(shape, approach)) contacts = contacts_of(shape, approach, slack);
     fill(contacts, approach, *body.getCollisionObject(), *textured.getCollisionObject(),
@@ -88,22 +87,21 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
     manifolds_[manifold_count_++] = m_dispatcher->getNewManifold(&body, &textured);
   }
 
-  static bool is_near(const TexturedShape& shape, const Approach& approach) {
+  static bool is_near(const TouchableShape& shape, const Approach& approach) {
     const double far = approach.reach + std::min(approach.travel(), shape.look_ahead()) + 1e-3;
     const Vec3 away = Vec3::Constant(far);
     return shape.is_near(to_bullet(Vec3(approach.pose.position - away)),
                          to_bullet(Vec3(approach.pose.position + away)));
   }
 
-  contact::ContactSet contacts_of(const TexturedShape& shape, const Approach& approach, double slack) const {
+  contact::ContactSet contacts_of(const TouchableShape& shape, const Approach& approach, double slack) const {
     if (relief_ == nullptr) return contacts_ahead(shape, shape_, approach, slack);
-    const double texel = std::min(shape.surface().texel_u(), shape.surface().texel_v());
-    return contact::relief_relief_contacts({relief_->relief(), approach.pose}, {shape.relief(), {}},
-                                           std::min(approach.travel() + slack, texel));
+    return touch_of_reliefs(*relief_, approach.pose, shape,
+                            std::min(approach.travel() + slack, shape.texel()));
   }
 
   // For contactTest and its kin, who collect the points themselves. B is who is second in the manifold.
-  void report(const TexturedShape& shape, const btCollisionObjectWrapper& body,
+  void report(const TouchableShape& shape, const btCollisionObjectWrapper& body,
               const btCollisionObjectWrapper& textured, btManifoldResult& result) const {
     result.setPersistentManifold(manifolds_[0]);
     const btTransform& frame = textured.getWorldTransform();
@@ -180,8 +178,8 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
 
   std::array<btPersistentManifold*, most_manifolds> manifolds_{};
   std::size_t manifold_count_ = 0;
-  const TexturedShape* relief_ = nullptr;  // of the body, when it is textured itself
-  contact::Shape shape_;                   // of the body; Bullet makes a new algorithm when it changes
+  const TouchableShape* relief_ = nullptr;  // of the body, when it is textured itself
+  contact::Shape shape_;                    // of the body; Bullet makes a new algorithm when it changes
   bool swapped_, reports_;
 };
 

@@ -11,9 +11,6 @@ namespace intaglio::dynamics {
 
 TexturedShape::TexturedShape(std::shared_ptr<const surface::Surface> surface, const ContactOptions& options)
     : surface_(std::move(surface)), relief_(surface_), options_(options) {
-  // Bullet looks algorithms up by this number, and knows that such a shape is concave.
-  m_shapeType = CUSTOM_CONCAVE_SHAPE_TYPE;
-  m_collisionMargin = 0;
   if (options_.representation == Representation::normal && options_.normal_method == NormalMethod::implied) {
     const surface::ImpliedRelief implied = implied_relief(*surface_);
     relief_ = implied.surface;
@@ -39,16 +36,6 @@ contact::ContactSet TexturedShape::contacts(const contact::Shape& body, const Po
     return normal_map_contacts(*surface_, body, pose, margin);
   return options_.method == ContactMethod::closest ? relief_contacts(*relief_, body, pose, margin)
                                                    : directional_contacts(*relief_, body, pose, margin);
-}
-
-bool TexturedShape::is_near(const btVector3& low, const btVector3& high) const {
-  return TestAabbAgainstAabb2(low, high, low_, high_);
-}
-
-void TexturedShape::getAabb(const btTransform& t, btVector3& low, btVector3& high) const {
-  // Bullet pairs what overlaps now; contacts are wanted before that.
-  const auto ahead = static_cast<btScalar>(look_ahead_);
-  btTransformAabb(low_, high_, ahead, t, low, high);
 }
 
 void TexturedShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const {

@@ -22,11 +22,12 @@
 #include "intaglio/contact/contact_point.h"
 #include "intaglio/contact/shape.h"
 #include "intaglio/dynamics/method.h"
+#include "intaglio/dynamics/touchable_shape.h"
 #include "intaglio/surface/surface.h"
 
 namespace intaglio::dynamics {
 
-class TexturedShape : public btConcaveShape {
+class TexturedShape : public TouchableShape {
  public:
   explicit TexturedShape(std::shared_ptr<const surface::Surface> surface, const ContactOptions& options = {});
 
@@ -36,16 +37,16 @@ class TexturedShape : public btConcaveShape {
   Vec2 mean_slope() const { return mean_slope_; }  // of the implied relief
   const ContactOptions& options() const { return options_; }
 
-  // Where a body that is at `pose` in this shape's frame touches it, or will within `margin` metres.
-  contact::ContactSet contacts(const contact::Shape& body, const Pose& pose, double margin) const;
-  // How far ahead contacts may be asked for, metres: bodies farther off are not looked at. A body that is
-  // wholly under the relief is lifted out of it from as far down.
-  double look_ahead() const { return look_ahead_; }
-  bool is_near(const btVector3& low, const btVector3& high) const;
+  // A body that is wholly under the relief is lifted out of it from as far down as look_ahead().
+  contact::ContactSet contacts(const contact::Shape& body, const Pose& pose, double margin) const override;
+  double texel() const override { return std::min(surface_->texel_u(), surface_->texel_v()); }
 
-  void getAabb(const btTransform& t, btVector3& low, btVector3& high) const override;
-  void setLocalScaling(const btVector3&) override {}  // a surface has metres; make another one
-  const btVector3& getLocalScaling() const override { return scaling_; }
+  bool is_plane() const override {
+    return options_.representation == Representation::flat ||
+           (options_.representation == Representation::normal &&
+            options_.normal_method == NormalMethod::literal);
+  }
+
   // Of a slab as thick as the relief is deep, but a hundredth of its side at least.
   void calculateLocalInertia(btScalar mass, btVector3& inertia) const override;
   const char* getName() const override { return "TexturedShape"; }
@@ -57,13 +58,11 @@ class TexturedShape : public btConcaveShape {
   std::shared_ptr<const surface::Surface> surface_, relief_;
   Vec2 mean_slope_ = Vec2::Zero();
   ContactOptions options_;
-  double look_ahead_;
-  btVector3 low_, high_;  // of the relief and of where bodies are lifted from, in this shape's frame
-  btVector3 scaling_{1, 1, 1};
 };
 
-// Teaches `dispatcher` to meet every kind of shape with TexturedShape, in both orders of a pair, for steps
-// and for contactTest. Bullet gives btSdfCollisionShape the same number: the two cannot be in one world.
+// Teaches `dispatcher` to meet every kind of shape with TexturedShape and CurvedShape, in both orders of a
+// pair, for steps and for contactTest. Bullet gives btSdfCollisionShape the same number: the two cannot be in
+// one world.
 void register_algorithms(btCollisionDispatcher& dispatcher);
 
 }  // namespace intaglio::dynamics

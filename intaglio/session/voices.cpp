@@ -192,9 +192,9 @@ sound::SynthesizerOptions synthesizer_options(const Scene& scene) {
   options.sample_rate = scene.sound.sample_rate;
   options.seed = static_cast<std::uint64_t>(scene.seed);
   options.micro_level *= scene.sound.micro;
-  options.meso =
-      scene.sound.meso.value_or(scene.surface.representation == Representation::normal ? sound::MesoSource::normal_map
-                                                                                       : sound::MesoSource::engine_impulses);
+  options.meso = scene.sound.meso.value_or(scene.surface.representation == Representation::normal
+                                               ? sound::MesoSource::normal_map
+                                               : sound::MesoSource::engine_impulses);
   return options;
 }
 

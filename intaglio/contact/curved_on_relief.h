@@ -1,0 +1,25 @@
+// A relief on a curved base, a body, against a textured rectangle, the ground: a relief-mapped ball on a
+// relief-mapped floor. Either may move. Pure; any thread; no allocation.
+//
+// What the distance is: of every point of the body's relief the signed distance to the ground's, below it
+// negative (closest.h), the least over the body; and where they overlap, of the ground's texels that stick
+// into the body theirs to the body's relief, if that is deeper. Apart, it is the distance of the two fields.
+//
+// How it is found: the body's pieces that may be within the margin, by its tree and bounds of the ground
+// below each, are cut to the size of the ground's texels; on each, from its lowest point, the nearest point
+// of the ground and the piece's lowest point towards that take turns. That ends in a local minimum of the
+// piece, so what may be missed is a second, lower one within the same texel: 1e-4 of a texel in 4000 poses of
+// the test, and otherwise nothing (docs/curved.md). On a flat ground: exact.
+#pragma once
+
+#include "intaglio/contact/contact_point.h"
+#include "intaglio/surface/mesh/relief_mesh.h"
+
+namespace intaglio::contact {
+
+// Contacts that push the body away from the ground; the body is at `pose` in the ground's world. Points, uv
+// and n_s are of the ground. Only the rectangle counts. `margin` is limited to its shorter side.
+ContactSet curved_on_relief(const surface::ReliefMesh& body, const Pose& pose, const surface::Surface& ground,
+                            double margin);
+
+}  // namespace intaglio::contact

@@ -1,0 +1,47 @@
+#include "intaglio/dynamics/touchable_shape.h"
+
+#include "intaglio/contact/curved_on_relief.h"
+#include "intaglio/contact/relief_relief.h"
+#include "intaglio/dynamics/curved_shape.h"
+#include "intaglio/dynamics/textured_shape.h"
+
+namespace intaglio::dynamics {
+
+namespace {
+
+// The same contacts with the roles changed, in the frame of the other, which is at `pose` in this one.
+contact::ContactSet turned_round(contact::ContactSet set, const Pose& pose) {
+  for (std::size_t k = 0; k < set.count; ++k) {
+    contact::ContactPoint& c = set.points[k];
+    c.point = pose.to_local(c.point + c.distance * c.normal);
+    c.normal = pose.orientation.conjugate() * -c.normal;
+    c.n_s = c.normal;
+  }
+  return set;
+}
+
+Pose inverse(const Pose& pose) {
+  return {pose.orientation.conjugate() * -pose.position, pose.orientation.conjugate()};
+}
+
+}  // namespace
+
+contact::ContactSet touch_of_reliefs(const TouchableShape& body, const Pose& pose,
+                                     const TouchableShape& ground, double margin) {
+  const auto* flat_body = dynamic_cast<const TexturedShape*>(&body);
+  const auto* flat_ground = dynamic_cast<const TexturedShape*>(&ground);
+  const auto* curved_body = dynamic_cast<const CurvedShape*>(&body);
+  const auto* curved_ground = dynamic_cast<const CurvedShape*>(&ground);
+  if (flat_body && flat_ground)
+    return contact::relief_relief_contacts({flat_body->relief(), pose}, {flat_ground->relief(), {}}, margin);
+  if (curved_body && flat_ground)
+    return contact::curved_on_relief(curved_body->relief(), pose, flat_ground->relief(), margin);
+  if (flat_body && curved_ground) {
+    const Pose back = inverse(pose);
+    return turned_round(contact::curved_on_relief(curved_ground->relief(), back, flat_body->relief(), margin),
+                        back);
+  }
+  return {};
+}
+
+}  // namespace intaglio::dynamics

@@ -1,0 +1,44 @@
+// A plain Bullet program with reliefs on curved bases.
+#pragma once
+
+#include <cmath>
+
+#include "intaglio/dynamics/curved_shape.h"
+#include "tests/contact/curved_bases.h"
+#include "tests/dynamics/plain_bullet.h"
+
+namespace intaglio::tests {
+
+constexpr double g = 9.81;
+
+// A plain Bullet world whose penetrations are undone without a push.
+struct CurvedWorld : PlainBullet {
+  explicit CurvedWorld(std::shared_ptr<const surface::Surface> floor = no_relief())
+      : PlainBullet(std::move(floor)) {
+    btContactSolverInfo& info = world.getSolverInfo();
+    info.m_splitImpulse = 1;
+    info.m_splitImpulsePenetrationThreshold = 0;
+    info.m_numIterations = 30;
+  }
+  btRigidBody& add_rolling(btScalar mass, btCollisionShape& of, const Vec3& at, double friction = 1) {
+    btRigidBody& body = add(mass, of, {btScalar(at.x()), btScalar(at.y()), btScalar(at.z())});
+    body.setFriction(btScalar(friction));
+    body.setSleepingThresholds(0, 0);
+    return body;
+  }
+};
+
+inline Vec3 vec(const btVector3& v) {
+  return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
+}
+
+// J/kg.
+inline double energy(const btRigidBody& body) {
+  const double mass = 1 / static_cast<double>(body.getInvMass());
+  const btVector3 spin = body.getAngularVelocity();
+  return 0.5 * vec(body.getLinearVelocity()).squaredNorm() +
+         0.5 * static_cast<double>(spin.dot(body.getInvInertiaTensorWorld().inverse() * spin)) / mass +
+         g * static_cast<double>(body.getWorldTransform().getOrigin().y());
+}
+
+}  // namespace intaglio::tests
