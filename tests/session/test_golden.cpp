@@ -1,0 +1,138 @@
+// Every scene's first picture beside the one that was looked at and kept (tests/session/golden), as an eye
+// would compare them: by the mean colours of blocks of 5 x 5 pixels. INTAGLIO_KEEP_GOLDEN=1 keeps the
+// pictures of this run.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+
+#include "intaglio/core/file.h"
+#include "intaglio/render/egl_context.h"
+#include "intaglio/session/scene_picture.h"
+#include "intaglio/surface/image_file.h"
+
+namespace intaglio::session {
+
+namespace {
+
+constexpr int width = 240, height = 135, block = 5;
+const std::filesystem::path folder = INTAGLIO_SOURCE_DIR "/tests/session/golden";
+
+Image8 first_picture(const Scene& scene, const SceneSurface& surface) {
+  render::RendererOptions options;
+  options.width = width;
+  options.height = height;
+  auto renderer = render::Renderer::create(*surface.surface, options);
+  REQUIRE_MESSAGE(renderer.has_value(), (renderer ? "" : renderer.error().message()));
+  const auto parts = surface_parts(scene, surface);
+  REQUIRE((*renderer)->show(parts).has_value());
+  std::vector<Pose> balls, bodies;
+  for (const BallScene& ball : scene.balls) balls.push_back({ball.position, Quat::Identity()});
+  for (const BodyScene& body : scene.bodies) bodies.push_back(body.body.pose);
+  return (*renderer)->draw(ScenePicture(scene).frame(balls, bodies, std::nullopt));
+}
+
+struct Difference {
+  double mean = 0, worst = 0;  // of blocks, 0..255
+  bool is_seen() const { return mean > 2 || worst > 30; }
+};
+
+Difference compare(const Image8& a, const Image8& b) {
+  Difference out;
+  for (int y = 0; y < height; y += block) {
+    for (int x = 0; x < width; x += block) {
+      Vec3 sum = Vec3::Zero();
+      for (int j = y; j < y + block; ++j)
+        for (int i = x; i < x + block; ++i)
+          for (int c = 0; c < 3; ++c) sum[c] += int(a.at(i, j, c)) - int(b.at(i, j, c));
+      const double off = sum.cwiseAbs().maxCoeff() / (block * block);
+      out.mean += off / (width / block * height / block);
+      out.worst = std::max(out.worst, off);
+    }
+  }
+  return out;
+}
+
+Image8 kept(const std::filesystem::path& file) {
+  const auto image = surface::read_image(file);
+  REQUIRE_MESSAGE(image.has_value(), (image ? "" : image.error().message()));
+  Image8 out(width, height, 3);
+  REQUIRE(image->pixels.width == width);
+  REQUIRE(image->pixels.height == height);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < 3; ++c)
+        out.at(x, y, c) = std::uint8_t(std::lround(255 * image->pixels.at(x, y, c)));
+  return out;
+}
+
+// The same scene with its floor's texture taken the wrong way.
+enum class Wrong { rows, green, polarity };
+SceneSurface taken_wrong(const SceneSurface& right, Wrong wrong) {
+  const surface::Surface& from = *right.surface;
+  surface::Texels texels;
+  texels.width = from.width();
+  texels.height = from.height();
+  texels.colour = from.colour();
+  const auto depth = from.depth_texture(), normal = from.normal_texture();
+  for (int j = 0; j < from.height(); ++j) {
+    for (int i = 0; i < from.width(); ++i) {
+      const int row = wrong == Wrong::rows ? from.height() - 1 - j : j;
+      const auto k = std::size_t(row) * std::size_t(from.width()) + std::size_t(i);
+      texels.depth.push_back(wrong == Wrong::polarity ? 1 - depth[k] : depth[k]);
+      const float green = wrong == Wrong::green ? -1.0f : 1.0f;
+      texels.normal.push_back(Vec3(normal[3 * k], green * normal[3 * k + 1], normal[3 * k + 2]));
+    }
+  }
+  SceneSurface out = right;
+  out.surface = std::make_shared<const surface::Surface>(std::move(texels), from.placement(),
+                                                         from.max_depth(), from.edge());
+  return out;
+}
+
+bool have_gl() {
+  const auto context = render::EglContext::create();
+  if (!context) MESSAGE("skipped: " << context.error().message());
+  return context.has_value();
+}
+
+}  // namespace
+
+TEST_CASE("each scene looks as it did when somebody looked") {
+  if (!have_gl()) return;
+  int scenes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(INTAGLIO_SOURCE_DIR "/scenes")) {
+    if (entry.path().extension() != ".toml") continue;
+    const auto scene = read_scene(entry.path());
+    REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message()));
+    const auto surface = make_surface(*scene);
+    REQUIRE_MESSAGE(surface.has_value(), (surface ? "" : surface.error().message()));
+    const Image8 picture = first_picture(*scene, *surface);
+    const auto file = folder / entry.path().filename().replace_extension(".png");
+    if (std::getenv("INTAGLIO_KEEP_GOLDEN") != nullptr) REQUIRE(write_file(file, encode_png(picture)));
+    const Difference d = compare(picture, kept(file));
+    MESSAGE(entry.path().stem().string()
+            << ": blocks differ by " << d.mean << " in the mean, " << d.worst << " at most");
+    CHECK_FALSE(d.is_seen());
+    ++scenes;
+  }
+  CHECK(scenes >= 7);
+}
+
+TEST_CASE("rows, green or depth the wrong way are seen") {
+  if (!have_gl()) return;
+  const auto scene = read_scene(INTAGLIO_SOURCE_DIR "/scenes/rolling.toml");
+  REQUIRE(scene);
+  const auto surface = make_surface(*scene);
+  REQUIRE(surface);
+  const Image8 right = kept(folder / "rolling.png");
+  for (const Wrong wrong : {Wrong::rows, Wrong::green, Wrong::polarity}) {
+    const Difference d = compare(first_picture(*scene, taken_wrong(*surface, wrong)), right);
+    MESSAGE("wrong: blocks differ by " << d.mean << " in the mean, " << d.worst << " at most");
+    CHECK(d.is_seen());
+  }
+}
+
+}  // namespace intaglio::session
