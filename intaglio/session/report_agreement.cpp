@@ -5,14 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <set>
 #include <tuple>
 
 #include "intaglio/session/report_contacts.h"
 #include "intaglio/session/report_modes.h"
 #include "intaglio/session/report_text.h"
-#include "intaglio/sound/contact_force.h"
 
 namespace intaglio::session {
 
@@ -28,51 +26,11 @@ double square(float value) {
   return std::isfinite(value) ? static_cast<double>(value) * static_cast<double>(value) : 0;
 }
 
-std::vector<double> contact_times(const Recording& recording) {
+std::vector<double> contact_times(const Recording& recording, bool only_beginnings) {
   std::vector<double> times;
   for (const ContactEvent& event : recording.events) {
-    if (std::isfinite(event.time) && event.phase != ContactPhase::end) times.push_back(event.time);
-  }
-  std::sort(times.begin(), times.end());
-  return times;
-}
-
-// What a body's contacts bring step by step, of which only what is new is a blow.
-struct Pushed {
-  double time = -std::numeric_limits<double>::infinity();
-  Vec3 impulse = Vec3::Zero();
-  bool begins = false;
-  sound::ContactForce force;
-};
-
-// When a body begins to touch, or meets something new while it touches: a groove's far side, the next brick.
-// Such a blow is at least half of its step's impulse and a hundredth of the strongest.
-std::vector<double> beginning_times(const Recording& recording) {
-  std::map<BodyId, Pushed> bodies;
-  std::vector<std::pair<double, double>> blows;  // time, N s
-  std::vector<double> times;
-  const auto finish = [&](Pushed& step) {
-    const double blow = step.force.step(step.impulse).norm();
-    if (step.begins) times.push_back(step.time);
-    if (!step.begins && blow > 0.5 * step.impulse.norm()) blows.emplace_back(step.time, blow);
-    step.impulse.setZero();
-    step.begins = false;
-  };
-  double strongest = 0;
-  for (const ContactEvent& event : recording.events) {
-    if (!std::isfinite(event.time) || !event.impulse.allFinite()) continue;
-    Pushed& step = bodies[event.body];
-    if (std::abs(event.time - step.time) > 1e-3 * event.duration) {
-      if (std::isfinite(step.time)) finish(step);
-      step.time = event.time;
-    }
-    step.impulse += event.impulse;
-    step.begins |= event.phase == ContactPhase::begin;
-    strongest = std::max(strongest, step.impulse.norm());
-  }
-  for (auto& [id, step] : bodies) finish(step);
-  for (const auto& [time, blow] : blows) {
-    if (blow > 0.01 * strongest) times.push_back(time);
+    if (!std::isfinite(event.time) || event.phase == ContactPhase::end) continue;
+    if (event.phase == ContactPhase::begin || !only_beginnings) times.push_back(event.time);
   }
   std::sort(times.begin(), times.end());
   return times;
@@ -100,10 +58,10 @@ std::pair<double, double> hits_and_chance(const std::vector<double>& onsets, con
 void compare_onsets(const Recording& recording, Agreement& a) {
   const double duration = shown_duration(recording);
   const std::vector<double> onsets = loud_onsets(recording.audio, recording.sample_rate);
-  const std::vector<double> beginnings = beginning_times(recording);
+  const std::vector<double> beginnings = contact_times(recording, true);
   a.onsets = onsets.size();
   std::tie(a.onsets_at_contact, a.contact_chance) =
-      hits_and_chance(onsets, contact_times(recording), duration);
+      hits_and_chance(onsets, contact_times(recording, false), duration);
   std::tie(a.onsets_at_beginning, a.beginning_chance) = hits_and_chance(onsets, beginnings, duration);
   std::vector<double> lags;
   for (const double onset : onsets) {
@@ -254,7 +212,7 @@ std::string agreement_html(const Agreement& a) {
   html += item(
       percent(a.onsets_at_beginning), "Heard when a touch begins",
       fmt::format(
-          "of them lie within 20&nbsp;ms of a contact that begins, or that meets something new; at random, {}.{}",
+          "of them lie within 20&nbsp;ms of a contact that begins (the others are edges met while sliding or rolling); at random, {}.{}",
           percent(a.beginning_chance), lag_sentence(a.median_lag)));
   html += item(number(a.relief_correlation, 3), "Felt what is there",
                fmt::format("is the correlation of the pen’s height with the height of the surface under it, "
