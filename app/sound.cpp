@@ -199,7 +199,7 @@ void add_strike(CLI::App& sound, Common& common) {
       ->delimiter(',')
       ->expected(3);
   verb->add_option("--mallet", o->mallet,
-                   "Its material: a built-in name or a TOML file; hard ones sound bright")
+                   "Its material: a built-in name or a TOML file; hard, light ones sound bright")
       ->capture_default_str();
   verb->add_option("--mallet-radius", o->mallet_radius, "m; it is a ball, and heavier when larger")
       ->check(CLI::Range(1e-4, 1.0))

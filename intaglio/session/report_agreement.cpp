@@ -209,9 +209,11 @@ std::string agreement_html(const Agreement& a) {
                fmt::format("of the {} loud onsets in the audio lie within 20&nbsp;ms of a contact; sounds at "
                            "random times would score {}.",
                            a.onsets, percent(a.contact_chance)));
-  html += item(percent(a.onsets_at_beginning), "Heard when a touch begins",
-               fmt::format("of them lie within 20&nbsp;ms of a contact that begins; at random, {}.{}",
-                           percent(a.beginning_chance), lag_sentence(a.median_lag)));
+  html += item(
+      percent(a.onsets_at_beginning), "Heard when a touch begins",
+      fmt::format(
+          "of them lie within 20&nbsp;ms of a contact that begins (the others are edges met while sliding or rolling); at random, {}.{}",
+          percent(a.beginning_chance), lag_sentence(a.median_lag)));
   html += item(number(a.relief_correlation, 3), "Felt what is there",
                fmt::format("is the correlation of the pen’s height with the height of the surface under it, "
                            "over {} ticks of touching. 1 is a pen that follows every groove.",

@@ -38,7 +38,7 @@ Scene touch_scene(Touch touch, const std::string& texture) {
   scene.sound.modes = 80;
   scene.camera.eye = {0, 0.35, 0.35};
   scene.camera.target = Vec3::Zero();
-  dynamics::SphereBody ball;
+  BallScene ball;
   ball.radius = ball_radius;
   ball.material = *find_material("steel");
   if (touch == Touch::strike) {

@@ -50,7 +50,9 @@ void LiveSound::keep_pace(double known, double end) {
   now_.delay = std::max(ahead, 0.0);
 }
 
+// Before physics has told its time, nobody knows when its events are.
 void LiveSound::take_events() {
+  if (!has_begun_) return;
   const auto now = std::chrono::steady_clock::now();
   while (const Item* const item = queue_.front()) {
     ContactEvent event = item->event;

@@ -144,6 +144,21 @@ TEST_CASE("an event is heard one delay after it happened, whatever the buffer") 
   }
 }
 
+TEST_CASE("events that come before physics has told its time wait for it") {
+  TestClockDevice device(44'100, 64);
+  LiveSound live({}, bodies(), {.delay = 0.01});
+  REQUIRE(device.start(live));
+  device.turn(4410);
+  live.push(contact(1, 0.05, 0, ContactPhase::begin));
+  device.turn(64);
+  CHECK(live.status().events == 0);
+  live.advance(step);
+  device.turn(4410);
+  CHECK(live.status().events == 1);
+  CHECK(live.status().synthesizer.late_events == 0);
+  CHECK(onset(device.played()) > 0.1);
+}
+
 TEST_CASE("when physics stops for a while, what comes after is not late, and the delay comes back") {
   TestClockDevice device(44'100, 64);
   LiveSound live({}, bodies(), {.delay = 0.01});
