@@ -134,6 +134,7 @@ Result<ModalModel> bake(const TetMesh& mesh, const Material& material, const Bak
 
   ModalModel model;
   model.name = options.name;
+  model.source = options.source;
   model.material = material;
   model.mass = material.density * volume(mesh);
   model.residual = modes->residual;

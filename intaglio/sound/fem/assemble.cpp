@@ -49,8 +49,7 @@ SparseMatrix zero_stiffness(const Neighbours& neighbours) {
     return std::lower_bound(list.begin(), list.end(), node);
   };
   Eigen::Index entries = 0;
-  for (int a = 0; a < dofs / 3; ++a)
-    entries += 9 * (neighbours[std::size_t(a)].end() - first_below(a)) - 3;
+  for (int a = 0; a < dofs / 3; ++a) entries += 9 * (neighbours[std::size_t(a)].end() - first_below(a)) - 3;
   SparseMatrix matrix(dofs, dofs);
   matrix.resizeNonZeros(entries);
   int next = 0;
@@ -112,7 +111,9 @@ ElasticSystem assemble(const TetMesh& mesh, const Material& material) {
     for (int a = 0; a < 10; ++a) {
       const int node = tet[std::size_t(a)];
       const auto& list = neighbours[std::size_t(node)];
-      const auto place_of = [&](int other) { return std::lower_bound(list.begin(), list.end(), other) - list.begin(); };
+      const auto place_of = [&](int other) {
+        return std::lower_bound(list.begin(), list.end(), other) - list.begin();
+      };
       const auto diagonal = place_of(node);
       for (int b = 0; b < 10; ++b) {
         const int other = tet[std::size_t(b)];

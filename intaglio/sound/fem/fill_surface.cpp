@@ -21,8 +21,8 @@ constexpr double max_lattice_points = 2e6;
 constexpr double loose_share = 0.01;  // of the volume: a smaller loose part is a crumb of the lattice
 constexpr double lid_share = 0.15;  // of the boundary: where so much of it has no surface near, it is made up
 constexpr double lid_distance = 0.3;  // of a cell: what is farther from the surface is not it
-constexpr double thin_extent = 2.2;    // of the thickness: a square bar is twice as wide as 2 V / A
-constexpr double flattest_cell = 2;    // of the thickness, its length
+constexpr double thin_extent = 2.2;   // of the thickness: a square bar is twice as wide as 2 V / A
+constexpr double flattest_cell = 2;   // of the thickness, its length
 constexpr double max_rescaling = 0.05;
 constexpr double least_jacobian = 0.1;  // of the mean over the element
 
