@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 #include <set>
 
 #include "app/bake_arguments.h"
@@ -19,6 +20,7 @@
 #include "intaglio/sound/fem/fill_surface.h"
 #include "intaglio/sound/fem/solid_shape.h"
 #include "intaglio/sound/model_file.h"
+#include "intaglio/sound/other_bakes.h"
 #include "intaglio/surface/mesh/mesh_file.h"
 
 namespace intaglio::app {
@@ -42,6 +44,7 @@ struct Stopwatch {
 struct Body {
   sound::FilledSurface filled;
   std::size_t surface_vertices = 0;
+  std::optional<sound::BodySurface> springs = {};  // the surface itself, for a spring-mass shell
 };
 
 struct Costs {
@@ -74,12 +77,13 @@ Result<Body> make_elements(const BakeArguments& options, const Material& materia
     return note.find("normals were missing") != std::string::npos;
   });
   for (Vec3& position : mesh->positions) position *= options.scale;
-  const auto surface = sound::body_surface(*mesh, options.mesh);
+  const auto surface = sound::body_surface(*mesh, options.mesh, options.thickness);
   if (!surface) return tl::unexpected(surface.error());
+  if (options.shell == "springs") return Body{{{}, 0, surface->notes}, surface->points.size(), *surface};
   auto filled = sound::fill_surface(*surface, {size_for(surface->volume, surface->area), options.elements},
                                     options.mesh);
   if (!filled) return tl::unexpected(filled.error());
-  return Body{std::move(*filled), surface->points.size()};
+  return Body{std::move(*filled), surface->points.size(), {}};
 }
 
 // What the dense method would need for K alone: three degrees of freedom a surface vertex, in doubles.
@@ -133,6 +137,10 @@ int run(const BakeArguments& options, const Common& common) {
   const auto material = named_material(options.material);
   if (!material) return report(material.error());
   if (auto writable = check_writable(options.output); !writable) return report(writable.error());
+  if (options.thickness > 0 && sound::is_solid_shape(options.mesh))
+    return report({options.mesh, "is a solid shape and takes no --thickness", "a mesh of a surface does"});
+  if (options.shell == "springs" && !(options.thickness > 0))
+    return report({options.mesh, "a spring-mass shell has a thickness", "give --thickness METRES"});
   const auto source = source_hash(options, *material);
   if (!source) return report(source.error());
   session::Progress progress("bake", common.quiet);
@@ -144,8 +152,12 @@ int run(const BakeArguments& options, const Common& common) {
   costs.mesh_s = all.wall_s();
   progress.update(0.15, fmt::format("{} elements", body->filled.mesh.tets.size()));
   modes.progress = [&](double done) { progress.update(0.3 + 0.65 * done, "modes"); };
-  const auto model = sound::bake(body->filled.mesh, *material,
-                                 {std::filesystem::path(options.mesh).stem().string(), modes, {}, *source});
+  const sound::BakeOptions bake_options{
+      std::filesystem::path(options.mesh).stem().string(), modes, {}, *source};
+  const auto model = body->springs ? sound::bake_spring_shell(*body->springs, options.thickness, *material,
+                                                              bake_options, options.mesh)
+                     : options.nodes == 4 ? sound::bake_linear(body->filled.mesh, *material, bake_options)
+                                          : sound::bake(body->filled.mesh, *material, bake_options);
   if (!model) return report({options.mesh, model.error().message(), ""});
   if (model->modes() == 0) {
     return report(
@@ -196,6 +208,16 @@ void add_bake(CLI::App& app, Common& common) {
   verb->add_option("--element-size", options->element_size,
                    "Metres; by default a fifth of the shortest wave, which is all that the modes need")
       ->check(CLI::Range(1e-5, 10.0));
+  verb->add_option("--nodes", options->nodes, "Of an element: 10 (quadratic) or 4 (linear, sharp in pitch)")
+      ->check(CLI::IsMember({4, 10}))
+      ->capture_default_str();
+  verb->add_option("--thickness", options->thickness,
+                   "Metres: the mesh is the middle surface of a shell, open or closed")
+      ->check(CLI::Range(1e-5, 10.0));
+  verb->add_option("--shell", options->shell,
+                   "What a shell is made of: solid elements, or the paper's springs")
+      ->check(CLI::IsMember({"solid", "springs"}))
+      ->capture_default_str();
   verb->add_option("--scale", options->scale, "Metres in a unit of the file")
       ->check(CLI::Range(1e-6, 1e6))
       ->capture_default_str();

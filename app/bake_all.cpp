@@ -81,6 +81,9 @@ pid_t start(const BakeArguments& one) {
   add("--max-frequency", one.max_frequency);
   add("--scale", one.scale);
   if (one.element_size > 0) add("--element-size", one.element_size);
+  add("--nodes", one.nodes);
+  if (one.thickness > 0) add("--thickness", one.thickness);
+  add("--shell", one.shell);
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
@@ -134,10 +137,12 @@ Result<std::string> source_hash(const BakeArguments& arguments, const Material& 
        {material.density, material.youngs_modulus, material.poisson_ratio, material.rayleigh_alpha,
         material.rayleigh_beta, material.friction, material.restitution, material.rolling_resistance,
         material.micro.rms_height, material.micro.correlation_length, material.micro.spectral_slope,
-        arguments.max_frequency, arguments.scale, arguments.element_size})
+        arguments.max_frequency, arguments.scale, arguments.element_size, arguments.thickness})
     hash.add(x);
   hash.add(arguments.modes);
   hash.add(arguments.elements);
+  hash.add(arguments.nodes);
+  hash.add(std::string_view(arguments.shell));
   return fmt::format("{:016x}", hash.value());
 }
 

@@ -17,7 +17,10 @@ struct BakeArguments {
   int elements = 40'000;
   double max_frequency = 20'000;
   double scale = 1;
-  double element_size = 0;  // metres; 0: chosen
+  double element_size = 0;      // metres; 0: chosen
+  int nodes = 10;               // of an element
+  double thickness = 0;         // metres, of a shell; 0: a solid
+  std::string shell = "solid";  // what a shell is made of: "solid" elements or "springs"
   bool json = false;
 };
 
