@@ -8,8 +8,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 #include <set>
 
+#include "app/bake_arguments.h"
 #include "app/verb.h"
 #include "intaglio/core/file.h"
 #include "intaglio/core/material_reader.h"
@@ -18,21 +20,12 @@
 #include "intaglio/sound/fem/fill_surface.h"
 #include "intaglio/sound/fem/solid_shape.h"
 #include "intaglio/sound/model_file.h"
+#include "intaglio/sound/other_bakes.h"
 #include "intaglio/surface/mesh/mesh_file.h"
 
 namespace intaglio::app {
 
 namespace {
-
-struct Options {
-  std::string mesh, material, output;
-  int modes = 100;
-  int elements = 40'000;
-  double max_frequency = 20'000;
-  double scale = 1;
-  double element_size = 0;
-  bool json = false;
-};
 
 double seconds(clockid_t clock) {
   timespec now{};
@@ -51,6 +44,7 @@ struct Stopwatch {
 struct Body {
   sound::FilledSurface filled;
   std::size_t surface_vertices = 0;
+  std::optional<sound::BodySurface> springs = {};  // the surface itself, for a spring-mass shell
 };
 
 struct Costs {
@@ -63,7 +57,7 @@ std::size_t surface_nodes(const sound::TetMesh& mesh) {
   return nodes.size();
 }
 
-Result<Body> make_elements(const Options& options, const Material& material,
+Result<Body> make_elements(const BakeArguments& options, const Material& material,
                            const sound::ModeOptions& modes) {
   const auto size_for = [&](double volume, double area) {
     return options.element_size > 0 ? options.element_size
@@ -83,12 +77,13 @@ Result<Body> make_elements(const Options& options, const Material& material,
     return note.find("normals were missing") != std::string::npos;
   });
   for (Vec3& position : mesh->positions) position *= options.scale;
-  const auto surface = sound::body_surface(*mesh, options.mesh);
+  const auto surface = sound::body_surface(*mesh, options.mesh, options.thickness);
   if (!surface) return tl::unexpected(surface.error());
-  auto filled =
-      sound::fill_surface(*surface, {size_for(surface->volume, surface->area), options.elements}, options.mesh);
+  if (options.shell == "springs") return Body{{{}, 0, surface->notes}, surface->points.size(), *surface};
+  auto filled = sound::fill_surface(*surface, {size_for(surface->volume, surface->area), options.elements},
+                                    options.mesh);
   if (!filled) return tl::unexpected(filled.error());
-  return Body{std::move(*filled), surface->points.size()};
+  return Body{std::move(*filled), surface->points.size(), {}};
 }
 
 // What the dense method would need for K alone: three degrees of freedom a surface vertex, in doubles.
@@ -122,25 +117,32 @@ nlohmann::json as_json(const sound::ModalModel& model, const Body& body, const C
           {"peak_memory_mb", double(usage.ru_maxrss) / 1024}};
 }
 
-void summarise(const nlohmann::json& result, const Options& options) {
+void summarise(const nlohmann::json& result, const BakeArguments& options) {
   for (const auto& note : result["notes"]) fmt::print("{}: {}\n", options.mesh, note.get<std::string>());
   const auto& f = result["frequencies"];
   fmt::print("{}: {} modes, {:.1f} to {:.1f} Hz, of {} elements ({} nodes); {:.3g} kg; residual {:.1e}\n",
              options.output, f.size(), f.front().get<double>(), f.back().get<double>(),
              result["elements"].get<int>(), result["nodes"].get<int>(), result["mass"].get<double>(),
              result["residual"].get<double>());
-  fmt::print("{:.1f} s ({:.1f} s of them for the mesh), {:.1f} CPU-s, {:.0f} MB (a dense matrix over {} surface "
-             "vertices: {:.3g} GB)\n",
-             result["seconds"].get<double>(), result["mesh_seconds"].get<double>(),
-             result["cpu_seconds"].get<double>(), result["peak_memory_mb"].get<double>(),
-             result["surface_vertices"].get<int>(), result["dense_method_gb"].get<double>());
+  fmt::print(
+      "{:.1f} s ({:.1f} s of them for the mesh), {:.1f} CPU-s, {:.0f} MB (a dense matrix over {} surface "
+      "vertices: {:.3g} GB)\n",
+      result["seconds"].get<double>(), result["mesh_seconds"].get<double>(),
+      result["cpu_seconds"].get<double>(), result["peak_memory_mb"].get<double>(),
+      result["surface_vertices"].get<int>(), result["dense_method_gb"].get<double>());
 }
 
-int run(const Options& options, const Common& common) {
+int run(const BakeArguments& options, const Common& common) {
   const Stopwatch all;
   const auto material = named_material(options.material);
   if (!material) return report(material.error());
   if (auto writable = check_writable(options.output); !writable) return report(writable.error());
+  if (options.thickness > 0 && sound::is_solid_shape(options.mesh))
+    return report({options.mesh, "is a solid shape and takes no --thickness", "a mesh of a surface does"});
+  if (options.shell == "springs" && !(options.thickness > 0))
+    return report({options.mesh, "a spring-mass shell has a thickness", "give --thickness METRES"});
+  const auto source = source_hash(options, *material);
+  if (!source) return report(source.error());
   session::Progress progress("bake", common.quiet);
   sound::ModeOptions modes{options.modes, 20, options.max_frequency};
   progress.update(0.02, "filling the surface");
@@ -150,8 +152,12 @@ int run(const Options& options, const Common& common) {
   costs.mesh_s = all.wall_s();
   progress.update(0.15, fmt::format("{} elements", body->filled.mesh.tets.size()));
   modes.progress = [&](double done) { progress.update(0.3 + 0.65 * done, "modes"); };
-  const auto model =
-      sound::bake(body->filled.mesh, *material, {std::filesystem::path(options.mesh).stem().string(), modes});
+  const sound::BakeOptions bake_options{
+      std::filesystem::path(options.mesh).stem().string(), modes, {}, *source};
+  const auto model = body->springs ? sound::bake_spring_shell(*body->springs, options.thickness, *material,
+                                                              bake_options, options.mesh)
+                     : options.nodes == 4 ? sound::bake_linear(body->filled.mesh, *material, bake_options)
+                                          : sound::bake(body->filled.mesh, *material, bake_options);
   if (!model) return report({options.mesh, model.error().message(), ""});
   if (model->modes() == 0) {
     return report(
@@ -178,14 +184,18 @@ int run(const Options& options, const Common& common) {
 void add_bake(CLI::App& app, Common& common) {
   CLI::App* verb =
       app.add_subcommand("bake", "A body into the modes that it rings with: modal analysis of any mesh");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<BakeArguments>();
   verb->add_option("MESH", options->mesh,
                    "A file (.obj .stl .gltf .glb, metres) or a shape: sphere:r=0.05  box:x=0.3,y=0.01,z=0.2  "
-                   "plate:a=0.3,t=0.01  cylinder:r=0.02,h=0.2")
-      ->required();
+                   "plate:a=0.3,t=0.01  cylinder:r=0.02,h=0.2");
   verb->add_option("--material", options->material, "A built-in name, or a TOML file (docs/bake.md)")
       ->required();
-  verb->add_option("-o,--output", options->output, "The model")->required();
+  verb->add_option("-o,--output", options->output, "The model; with --all a folder")->required();
+  verb->add_option("--all", options->all, "Every mesh in this folder and below; skips what is done")
+      ->excludes("MESH");
+  verb->add_option("-j,--jobs", options->jobs, "Bakes at once, with --all")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
   verb->add_option("--modes", options->modes, "At most so many")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
@@ -198,6 +208,16 @@ void add_bake(CLI::App& app, Common& common) {
   verb->add_option("--element-size", options->element_size,
                    "Metres; by default a fifth of the shortest wave, which is all that the modes need")
       ->check(CLI::Range(1e-5, 10.0));
+  verb->add_option("--nodes", options->nodes, "Of an element: 10 (quadratic) or 4 (linear, sharp in pitch)")
+      ->check(CLI::IsMember({4, 10}))
+      ->capture_default_str();
+  verb->add_option("--thickness", options->thickness,
+                   "Metres: the mesh is the middle surface of a shell, open or closed")
+      ->check(CLI::Range(1e-5, 10.0));
+  verb->add_option("--shell", options->shell,
+                   "What a shell is made of: solid elements, or the paper's springs")
+      ->check(CLI::IsMember({"solid", "springs"}))
+      ->capture_default_str();
   verb->add_option("--scale", options->scale, "Metres in a unit of the file")
       ->check(CLI::Range(1e-6, 1e6))
       ->capture_default_str();
@@ -205,8 +225,12 @@ void add_bake(CLI::App& app, Common& common) {
                  "Print frequencies, decay rates, residual, times and memory as JSON");
   verb->footer(
       "Example:\n  intaglio bake plate:a=0.3,t=0.01 --material ceramic -o out/tile.modes\n  intaglio bake vase.stl "
-      "--scale 0.001 --material glass -o out/vase.modes --json");
-  verb->callback([options, &common] { common.exit_code = run(*options, common); });
+      "--scale 0.001 --material glass -o out/vase.modes --json\n  intaglio bake --all meshes/ --material glass "
+      "-o out/models -j 2");
+  verb->callback([options, &common] {
+    if (options->mesh.empty() && options->all.empty()) throw CLI::RequiredError("MESH or --all");
+    common.exit_code = options->all.empty() ? run(*options, common) : bake_all(*options, common);
+  });
 }
 
 }  // namespace intaglio::app

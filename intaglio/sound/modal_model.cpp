@@ -8,32 +8,12 @@
 
 #include "intaglio/sound/air.h"
 #include "intaglio/sound/fem/element.h"
+#include "intaglio/sound/model_of_modes.h"
 #include "intaglio/sound/sample_surface.h"
 
 namespace intaglio::sound {
 
 namespace {
-
-// The surface of the mesh as flat triangles, four to each curved one, with nodes renumbered. Returns the
-// nodes kept.
-std::vector<int> take_surface(const TetMesh& mesh, ModalModel& model) {
-  std::vector<int> number(mesh.nodes.size(), -1), kept;
-  const auto point = [&](int node) {
-    int& n = number[std::size_t(node)];
-    if (n < 0) {
-      n = static_cast<int>(kept.size());
-      kept.push_back(node);
-      model.points.push_back(mesh.nodes[std::size_t(node)]);
-    }
-    return n;
-  };
-  constexpr std::array<std::array<std::size_t, 3>, 4> quarters{{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
-  for (const Triangle6& face : mesh.boundary) {
-    for (const auto& [a, b, c] : quarters)
-      model.triangles.push_back({point(face[a]), point(face[b]), point(face[c])});
-  }
-  return kept;
-}
 
 // Root mean square over the surface of the normal component of mode `mode`.
 double normal_rms(const ModalModel& model, int mode) {
@@ -69,19 +49,7 @@ void take_shapes(const Eigen::MatrixXd& shape, const std::vector<Eigen::Index>& 
   }
 }
 
-// What would make the numbers below meaningless.
-Result<void> check(const TetMesh& mesh, const Material& material) {
-  const auto complain = [&](const char* what, const char* fix) -> Result<void> {
-    return fail(fmt::format("material \"{}\"", material.name), what, fix);
-  };
-  if (!(material.density > 0)) return complain("its density is not positive", "give kg/m^3");
-  if (!(material.youngs_modulus > 0)) return complain("its Young's modulus is not positive", "give Pa");
-  if (!(material.poisson_ratio > -1 && material.poisson_ratio < 0.5)) {
-    return complain("its Poisson ratio is out of range", "a Poisson ratio lies between -1 and 0.5");
-  }
-  if (!(material.rayleigh_alpha >= 0 && material.rayleigh_beta >= 0)) {
-    return complain("its damping is negative", "Rayleigh alpha and beta are at least 0");
-  }
+Result<void> check_elements(const TetMesh& mesh) {
   if (mesh.tets.empty()) return fail("mesh", "it has no tetrahedra");
   for (const Tet10& tet : mesh.tets) {
     const ElementNodes nodes = element_nodes(mesh, tet);
@@ -125,26 +93,61 @@ double radiation_weight(double omega, double area, double normal_velocity_rms) {
          std::sqrt(area * efficiency / (4 * std::numbers::pi));
 }
 
-Result<ModalModel> bake(const TetMesh& mesh, const Material& material, const BakeOptions& options) {
-  if (auto valid = check(mesh, material); !valid) return tl::unexpected(valid.error());
-  const auto modes = free_modes(assemble(mesh, material), options.modes);
-  if (!modes) return tl::unexpected(modes.error());
+Result<void> check_material(const Material& material) {
+  const auto complain = [&](const char* what, const char* fix) -> Result<void> {
+    return fail(fmt::format("material \"{}\"", material.name), what, fix);
+  };
+  if (!(material.density > 0)) return complain("its density is not positive", "give kg/m^3");
+  if (!(material.youngs_modulus > 0)) return complain("its Young's modulus is not positive", "give Pa");
+  if (!(material.poisson_ratio > -1 && material.poisson_ratio < 0.5)) {
+    return complain("its Poisson ratio is out of range", "a Poisson ratio lies between -1 and 0.5");
+  }
+  if (!(material.rayleigh_alpha >= 0 && material.rayleigh_beta >= 0)) {
+    return complain("its damping is negative", "Rayleigh alpha and beta are at least 0");
+  }
+  return {};
+}
 
+ModalSurface boundary_surface(const TetMesh& mesh) {
+  ModalSurface surface;
+  std::vector<int> number(mesh.nodes.size(), -1);
+  const auto point = [&](int node) {
+    int& n = number[std::size_t(node)];
+    if (n < 0) {
+      n = static_cast<int>(surface.nodes.size());
+      surface.nodes.push_back(node);
+      surface.points.push_back(mesh.nodes[std::size_t(node)]);
+    }
+    return n;
+  };
+  constexpr std::array<std::array<std::size_t, 3>, 4> quarters{{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
+  for (const Triangle6& face : mesh.boundary) {
+    for (const auto& [a, b, c] : quarters)
+      surface.triangles.push_back({point(face[a]), point(face[b]), point(face[c])});
+  }
+  return surface;
+}
+
+ModalModel model_of_modes(const Modes& modes, ModalSurface surface, double mass, const Material& material,
+                          const BakeOptions& options) {
   ModalModel model;
   model.name = options.name;
+  model.source = options.source;
   model.material = material;
-  model.mass = material.density * volume(mesh);
-  model.residual = modes->residual;
+  model.mass = mass;
+  model.residual = modes.residual;
   std::vector<Eigen::Index> ringing;
-  for (Eigen::Index m = 0; m < modes->angular_frequency.size(); ++m) {
-    const double omega = modes->angular_frequency[m];
+  for (Eigen::Index m = 0; m < modes.angular_frequency.size(); ++m) {
+    const double omega = modes.angular_frequency[m];
     const double d = 0.5 * (material.rayleigh_alpha + material.rayleigh_beta * omega * omega);
     if (d >= omega) continue;
     ringing.push_back(m);
     model.angular_frequency.push_back(omega);
     model.damping.push_back(d);
   }
-  take_shapes(modes->shape, ringing, take_surface(mesh, model), model);
+  take_shapes(modes.shape, ringing, surface.nodes, model);
+  model.points = std::move(surface.points);
+  model.triangles = std::move(surface.triangles);
   model.area = surface_area(model);
   for (int m = 0; m < model.modes(); ++m) {
     model.radiation.push_back(
@@ -153,6 +156,14 @@ Result<ModalModel> bake(const TetMesh& mesh, const Material& material, const Bak
   sample_surface(model, options.sample);
   model.grid = TriangleGrid(model.points, model.triangles);
   return model;
+}
+
+Result<ModalModel> bake(const TetMesh& mesh, const Material& material, const BakeOptions& options) {
+  if (auto valid = check_material(material); !valid) return tl::unexpected(valid.error());
+  if (auto valid = check_elements(mesh); !valid) return tl::unexpected(valid.error());
+  const auto modes = free_modes(assemble(mesh, material), options.modes);
+  if (!modes) return tl::unexpected(modes.error());
+  return model_of_modes(*modes, boundary_surface(mesh), material.density * volume(mesh), material, options);
 }
 
 }  // namespace intaglio::sound

@@ -21,6 +21,7 @@ namespace intaglio::sound {
 
 struct ModalModel {
   std::string name;
+  std::string source;  // a hash of what it was baked from and how, or empty
   Material material;
   double mass = 0;      // kg
   double area = 0;      // m^2, of the surface
@@ -49,14 +50,16 @@ struct ModalModel {
 
 // How finely the surface is sampled (sample_surface.h).
 struct SampleOptions {
-  double shape_error = 0.06;  // at most, at any point, of a mode's largest displacement; 0: every node is kept
-  double distance = 0.004;    // of the bounding box's diagonal, between the old surface and the new
+  double shape_error =
+      0.06;                 // at most, at any point, of a mode's largest displacement; 0: every node is kept
+  double distance = 0.004;  // of the bounding box's diagonal, between the old surface and the new
 };
 
 struct BakeOptions {
   std::string name;
   ModeOptions modes;
   SampleOptions sample = {};
+  std::string source = {};
 };
 
 // Modal analysis of a free body. Overdamped modes do not ring and are left out. Takes seconds: see

@@ -108,7 +108,7 @@ std::vector<std::uint8_t> model_bytes(const ModalModel& model) {
       builder, builder.CreateString(m.name), m.density, m.youngs_modulus, m.poisson_ratio, m.rayleigh_alpha,
       m.rayleigh_beta, m.friction, m.restitution, m.rolling_resistance, m.micro.rms_height,
       m.micro.correlation_length, m.micro.spectral_slope);
-  const auto name = builder.CreateString(model.name);
+  const auto name = builder.CreateString(model.name), source = builder.CreateString(model.source);
   const auto frequency = builder.CreateVector(model.angular_frequency);
   const auto damping = builder.CreateVector(model.damping);
   const auto radiation = builder.CreateVector(model.radiation);
@@ -116,8 +116,9 @@ std::vector<std::uint8_t> model_bytes(const ModalModel& model) {
   const auto face_list = builder.CreateVectorOfStructs(faces);
   const auto shapes = builder.CreateVector(model.shapes);
   file::FinishModelBuffer(
-      builder, file::CreateModel(builder, name, material, model.mass, model.area, model.residual, frequency,
-                                 damping, radiation, point_list, face_list, shapes, model.shape_error));
+      builder,
+      file::CreateModel(builder, name, material, model.mass, model.area, model.residual, frequency, damping,
+                        radiation, point_list, face_list, shapes, model.shape_error, source));
   return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
 }
 
@@ -138,6 +139,7 @@ Result<ModalModel> parse_model(std::span<const std::uint8_t> bytes, const std::s
   model.mass = from.mass();
   model.area = from.area();
   model.residual = from.residual();
+  model.source = from.source() ? from.source()->str() : "";
   model.shape_error = from.shape_error();
   model.angular_frequency = copied<double>(*from.angular_frequency());
   model.damping = copied<double>(*from.damping());

@@ -8,8 +8,8 @@ namespace intaglio::sound {
 
 namespace {
 
-constexpr int probed_modes = 16;    // whose shapes are compared while points go
-constexpr double least_turn = 0.3;  // cosine between a triangle's normals before and after
+constexpr int probed_modes = 16;      // whose shapes are compared while points go
+constexpr double least_turn = 0.3;    // cosine between a triangle's normals before and after
 constexpr double least_shape = 0.05;  // of a triangle: twice its area over its longest edge squared
 
 using Probe = Eigen::VectorXf;  // of a point: x, y, z of every probed mode, over the mode's largest
@@ -22,7 +22,8 @@ std::vector<Probe> probes_of(const ModalModel& model) {
   std::vector<float> size;
   for (const int m : modes) {
     double most = 0;
-    for (std::size_t p = 0; p < model.points.size(); ++p) most = std::max(most, model.shape(int(p), m).norm());
+    for (std::size_t p = 0; p < model.points.size(); ++p)
+      most = std::max(most, model.shape(int(p), m).norm());
     size.push_back(float(most));
   }
   std::vector<Probe> probes(model.points.size(), Probe(3 * modes.size()));
@@ -85,7 +86,8 @@ class Collapse {
       if (t[0] < 0) continue;
       for (std::size_t k = 0; k < 3; ++k) {
         const int a = t[k], b = t[(k + 1) % 3];
-        if (a < b) edges.push_back({(points_[std::size_t(a)] - points_[std::size_t(b)]).squaredNorm(), {a, b}});
+        if (a < b)
+          edges.push_back({(points_[std::size_t(a)] - points_[std::size_t(b)]).squaredNorm(), {a, b}});
       }
     }
     std::sort(edges.begin(), edges.end());
@@ -114,7 +116,8 @@ class Collapse {
     std::sort(ring_.begin(), ring_.end());
     // Around an inner point each neighbour is in two faces.
     for (std::size_t k = 0; k < ring_.size(); k += 2) {
-      if (k + 1 == ring_.size() || ring_[k] != ring_[k + 1] || (k + 2 < ring_.size() && ring_[k + 2] == ring_[k]))
+      if (k + 1 == ring_.size() || ring_[k] != ring_[k + 1] ||
+          (k + 2 < ring_.size() && ring_[k + 2] == ring_[k]))
         return false;
     }
     int common = 0;

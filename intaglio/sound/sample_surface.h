@@ -1,5 +1,5 @@
-// A modal model's surface, no finer than its sound needs: points are taken out while mode shapes between those
-// that stay, linear over the triangles, are what they were.
+// A modal model's surface, no finer than its sound needs: points are taken out while mode shapes between
+// those that stay, linear over the triangles, are what they were.
 //
 // Bending and shear waves are centimetres long where elements must be as small as a body is thin; a model
 // that kept every node would be many times larger, and no truer. Points that stay keep their exact shapes.

@@ -51,8 +51,8 @@ TriangleGrid::TriangleGrid(const std::vector<Vec3>& points, const std::vector<Tr
     const Vec3 index(cell % cells_[0], cell / cells_[0] % cells_[1], cell / (cells_[0] * cells_[1]));
     return Vec3(low_ + cell_size_ * (index + Vec3::Constant(0.5)));
   };
-  // A point of the cell is within half a diagonal of the middle, and so is its distance to any triangle: those
-  // count that are no farther from the middle than the nearest one and a whole diagonal.
+  // A point of the cell is within half a diagonal of the middle, and so is its distance to any triangle:
+  // those count that are no farther from the middle than the nearest one and a whole diagonal.
   std::vector<std::vector<std::pair<double, int>>> found(static_cast<std::size_t>(cells_.prod()));
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     Eigen::AlignedBox3d box;
@@ -76,7 +76,8 @@ TriangleGrid::TriangleGrid(const std::vector<Vec3>& points, const std::vector<Tr
     if (!found[cell].empty())
       nearest[cell] = std::min_element(found[cell].begin(), found[cell].end())->second;
   }
-  spread(nearest, [&](int cell, int t) { return distance_to(middle(cell), triangles[std::size_t(t)], points); });
+  spread(nearest,
+         [&](int cell, int t) { return distance_to(middle(cell), triangles[std::size_t(t)], points); });
   for (std::size_t cell = 0; cell < found.size(); ++cell) {
     start_.push_back(static_cast<int>(candidates_.size()));
     candidates_.push_back(nearest[cell]);
@@ -100,7 +101,8 @@ void TriangleGrid::spread(std::vector<int>& nearest, Distance distance) const {
     std::vector<int> left;
     std::vector<std::pair<int, int>> given;
     for (const int cell : front) {
-      const Eigen::Vector3i at(cell % cells_[0], cell / cells_[0] % cells_[1], cell / (cells_[0] * cells_[1]));
+      const Eigen::Vector3i at(cell % cells_[0], cell / cells_[0] % cells_[1],
+                               cell / (cells_[0] * cells_[1]));
       int best = -1;
       for (int k = 0; k < 27; ++k) {
         const Eigen::Vector3i by = at + Eigen::Vector3i(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);

@@ -2,8 +2,9 @@
 // plates and bar by a Legendre-basis Ritz computation that is independent of any mesh; the free thin square
 // plate is NAFEMS FV12. Of that, modes 10 to 12 are thin-plate theory's (34.801 and 61.093 times the unit in
 // which the first is 13.468: Gorman, "Vibration analysis of plates by the superposition method", 1999);
-// NAFEMS's own 4.233 and 7.416 Hz are 1.0 and 0.8 % above those, where no converged solution goes. Three of the
-// cube's groups are exact Lame modes or alike by accident, not by symmetry: the mesh splits them. Prints a table:
+// NAFEMS's own 4.233 and 7.416 Hz are 1.0 and 0.8 % above those, where no converged solution goes. Three of
+// the cube's groups are exact Lame modes or alike by accident, not by symmetry: the mesh splits them. Prints
+// a table:
 //   build/release/tests/test_sound -tc='*known frequencies*' -s
 #include <doctest/doctest.h>
 
@@ -44,8 +45,9 @@ Material like_steel(double poisson, double density = 7850, double youngs_modulus
 // f = eta c_s / (2 pi a), of a sphere of radius 0.3 m.
 Case sphere(const char* name, double poisson, std::vector<Group> eta, int level) {
   const Material material = like_steel(poisson);
-  return {name,  ball(0.3, level), material, std::move(eta), 0.003,
-          std::sqrt(material.shear_modulus() / material.density) / (tau * 0.3)};
+  return {name,     ball(0.3, level),
+          material, std::move(eta),
+          0.003,    std::sqrt(material.shear_modulus() / material.density) / (tau * 0.3)};
 }
 
 std::vector<Case> cases() {
@@ -55,18 +57,38 @@ std::vector<Case> cases() {
   std::vector<Case> all;
   all.push_back(sphere("sphere, nu 0.30", 0.30, third, 3));
   all.push_back(sphere("sphere, nu 0.25", 0.25, quarter, 2));
-  all.push_back({"cube 1 m", box({1, 1, 1}, 10, 10, 10), test::steel(),
-                 {{1422.93, 2}, {1916.11, 3}, {1948.64, 3}, {2213.49, 3}, {2278.22, 3}, {2387.75, 3},
-                  {2703.13, 2}, {2745.80, 3}},
+  all.push_back({"cube 1 m",
+                 box({1, 1, 1}, 10, 10, 10),
+                 test::steel(),
+                 {{1422.93, 2},
+                  {1916.11, 3},
+                  {1948.64, 3},
+                  {2213.49, 3},
+                  {2278.22, 3},
+                  {2387.75, 3},
+                  {2703.13, 2},
+                  {2745.80, 3}},
                  0.003});
-  all.push_back({"plate 1 x 1 x 0.02 m", box({1, 0.02, 1}, 32, 1, 32), test::steel(),
-                 {{64.942}, {95.136}, {117.784}, {167.689, 2}, {295.665, 2}, {305.703}, {333.170}}, 0.005});
-  all.push_back({"ceramic tile 0.3 x 0.3 x 0.01 m", box({0.3, 0.01, 0.3}, 30, 1, 30), *find_material("ceramic"),
-                 {{381.30}, {554.54}, {633.01}, {962.83, 2}, {1631.92, 2}, {1742.00}}, 0.005});
-  all.push_back({"bar 1 x 0.1 x 0.05 m", box({1, 0.1, 0.05}, 24, 6, 4), test::steel(),
-                 {{257.19}, {501.40}, {698.11}, {1160.15}, {1305.99}, {1339.39}, {2155.01}, {2323.97}}, 0.003});
-  all.push_back({"thin plate 10 x 10 x 0.05 m (FV12)", box({10, 0.05, 10}, 28, 1, 28), like_steel(0.3, 8000),
-                 {{1.622}, {2.360}, {2.922}, {4.190, 2}, {7.356}}, 0.005});
+  all.push_back({"plate 1 x 1 x 0.02 m",
+                 box({1, 0.02, 1}, 32, 1, 32),
+                 test::steel(),
+                 {{64.942}, {95.136}, {117.784}, {167.689, 2}, {295.665, 2}, {305.703}, {333.170}},
+                 0.005});
+  all.push_back({"ceramic tile 0.3 x 0.3 x 0.01 m",
+                 box({0.3, 0.01, 0.3}, 30, 1, 30),
+                 *find_material("ceramic"),
+                 {{381.30}, {554.54}, {633.01}, {962.83, 2}, {1631.92, 2}, {1742.00}},
+                 0.005});
+  all.push_back({"bar 1 x 0.1 x 0.05 m",
+                 box({1, 0.1, 0.05}, 24, 6, 4),
+                 test::steel(),
+                 {{257.19}, {501.40}, {698.11}, {1160.15}, {1305.99}, {1339.39}, {2155.01}, {2323.97}},
+                 0.003});
+  all.push_back({"thin plate 10 x 10 x 0.05 m (FV12)",
+                 box({10, 0.05, 10}, 28, 1, 28),
+                 like_steel(0.3, 8000),
+                 {{1.622}, {2.360}, {2.922}, {4.190, 2}, {7.356}},
+                 0.005});
   return all;
 }
 
@@ -93,8 +115,8 @@ TEST_CASE("known frequencies: each case of the reference, its degenerate groups 
       i += g.count;
     }
     const double rigid = modes->highest_rigid / modes->angular_frequency[0];
-    MESSAGE(fmt::format("{:36} {:6} elements: worst {:.3f} %, split {:.4f} %, rigid {:.1e} of the first", c.name,
-                        c.mesh.tets.size(), 100 * worst, 100 * split, rigid));
+    MESSAGE(fmt::format("{:36} {:6} elements: worst {:.3f} %, split {:.4f} %, rigid {:.1e} of the first",
+                        c.name, c.mesh.tets.size(), 100 * worst, 100 * split, rigid));
     CHECK(worst < c.tolerance);
     CHECK(split < 0.0005);
     CHECK(rigid < 0.01);

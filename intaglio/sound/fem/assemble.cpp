@@ -1,28 +1,13 @@
 #include "intaglio/sound/fem/assemble.h"
 
-#include <algorithm>
-
+#include "intaglio/sound/fem/assemble_elements.h"
 #include "intaglio/sound/fem/element.h"
 
 namespace intaglio::sound {
 
 namespace {
 
-using Neighbours = std::vector<std::vector<int>>;
-
-// For each node the nodes that share a tetrahedron with it, itself included, ascending.
-Neighbours node_neighbours(const TetMesh& mesh) {
-  Neighbours neighbours(mesh.nodes.size());
-  for (const Tet10& tet : mesh.tets) {
-    for (const int a : tet)
-      neighbours[std::size_t(a)].insert(neighbours[std::size_t(a)].end(), tet.begin(), tet.end());
-  }
-  for (auto& list : neighbours) {
-    std::sort(list.begin(), list.end());
-    list.erase(std::unique(list.begin(), list.end()), list.end());
-  }
-  return neighbours;
-}
+using assembling::Neighbours;
 
 // An all-zero matrix of the nodes.
 SparseMatrix zero_mass(const Neighbours& neighbours) {
@@ -49,8 +34,7 @@ SparseMatrix zero_stiffness(const Neighbours& neighbours) {
     return std::lower_bound(list.begin(), list.end(), node);
   };
   Eigen::Index entries = 0;
-  for (int a = 0; a < dofs / 3; ++a)
-    entries += 9 * (neighbours[std::size_t(a)].end() - first_below(a)) - 3;
+  for (int a = 0; a < dofs / 3; ++a) entries += 9 * (neighbours[std::size_t(a)].end() - first_below(a)) - 3;
   SparseMatrix matrix(dofs, dofs);
   matrix.resizeNonZeros(entries);
   int next = 0;
@@ -100,35 +84,15 @@ Eigen::MatrixXd ElasticSystem::stiffness_times(const Eigen::MatrixXd& x) const {
   return stiffness.selfadjointView<Eigen::Lower>() * x;
 }
 
+ElasticSystem assembling::zero_system(const Neighbours& neighbours) {
+  return {zero_stiffness(neighbours), zero_mass(neighbours)};
+}
+
 ElasticSystem assemble(const TetMesh& mesh, const Material& material) {
-  const Neighbours neighbours = node_neighbours(mesh);
-  ElasticSystem system{zero_stiffness(neighbours), zero_mass(neighbours)};
-  double* const stiffness = system.stiffness.valuePtr();
-  double* const mass = system.mass.valuePtr();
-  for (const Tet10& tet : mesh.tets) {
-    const ElementNodes nodes = element_nodes(mesh, tet);
-    const ElementMatrix k = element_stiffness(nodes, material);
-    const ElementMass m = element_mass(nodes, material.density);
-    for (int a = 0; a < 10; ++a) {
-      const int node = tet[std::size_t(a)];
-      const auto& list = neighbours[std::size_t(node)];
-      const auto place_of = [&](int other) { return std::lower_bound(list.begin(), list.end(), other) - list.begin(); };
-      const auto diagonal = place_of(node);
-      for (int b = 0; b < 10; ++b) {
-        const int other = tet[std::size_t(b)];
-        const auto place = place_of(other);
-        mass[system.mass.outerIndexPtr()[node] + place] += m(b, a);
-        if (other < node) continue;
-        for (int axis = 0; axis < 3; ++axis) {
-          // A column begins at its own diagonal: `axis` rows of the first block are above it.
-          double* const rows =
-              stiffness + system.stiffness.outerIndexPtr()[3 * node + axis] + 3 * (place - diagonal) - axis;
-          for (int row = other == node ? axis : 0; row < 3; ++row) rows[row] += k(3 * b + row, 3 * a + axis);
-        }
-      }
-    }
-  }
-  return system;
+  return assemble_elements<10>(mesh.nodes.size(), mesh.tets, [&](std::size_t e) {
+    const ElementNodes nodes = element_nodes(mesh, mesh.tets[e]);
+    return ElementSystem<10>{element_stiffness(nodes, material), element_mass(nodes, material.density)};
+  });
 }
 
 }  // namespace intaglio::sound

@@ -175,7 +175,8 @@ void count_edges(BodySurface& body) {
 
 }  // namespace
 
-Result<BodySurface> body_surface(const surface::TriangleMesh& mesh, const std::string& name) {
+Result<BodySurface> body_surface(const surface::TriangleMesh& mesh, const std::string& name,
+                                 double thickness) {
   if (mesh.triangles.empty()) return fail(name, "has no triangles");
   BodySurface body;
   body.notes = mesh.notes;
@@ -193,6 +194,12 @@ Result<BodySurface> body_surface(const surface::TriangleMesh& mesh, const std::s
     body.area += 0.5 * (used.end()[-2] - used.end()[-3]).cross(used.end()[-1] - used.end()[-3]).norm();
   }
   bounds(body, used);
+  if (thickness > 0) {
+    body.thickness = thickness;
+    body.volume = body.area * thickness;
+    body.area *= 2;
+    return body;
+  }
   for (const Triangle& t : body.triangles) body.volume += cone(body, t, 0.5 * (body.low + body.high)) / 6;
   const double size = (body.high - body.low).maxCoeff();
   if (!(body.volume > 1e-9 * size * size * size) || !((body.high - body.low).minCoeff() > 0))

@@ -19,6 +19,7 @@ struct BodySurface {
   std::vector<Triangle> triangles;  // outward
   int open_edges = 0;               // that have not as many triangles on one side as on the other
   int shells = 0;                   // parts joined by edges
+  double thickness = 0;             // metres; 0: it bounds a solid; else it is the middle of a shell
   double volume = 0;                // m^3; of an open surface a guess
   double area = 0;                  // m^2
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  // bounding box
@@ -27,7 +28,9 @@ struct BodySurface {
   bool is_closed() const { return open_edges == 0; }
 };
 
-// Errors: nothing is left of it, or it is flat. `name` is for them.
-Result<BodySurface> body_surface(const surface::TriangleMesh& mesh, const std::string& name);
+// Errors: nothing is left of it, or it bounds a solid and is flat. `name` is for them. With a `thickness` it
+// is the middle surface of a shell, open or closed: volume and area are then those of the shell.
+Result<BodySurface> body_surface(const surface::TriangleMesh& mesh, const std::string& name,
+                                 double thickness = 0);
 
 }  // namespace intaglio::sound

@@ -129,7 +129,7 @@ Result<Factorisation> Factorisation::of(const ElasticSystem& system, double shif
   icntl(7) = 1;                                                   // the order is ours
   // Per cent of memory to spare: a positive matrix is not pivoted.
   icntl(14) = definiteness == Definiteness::positive ? 10 : 40;
-  icntl(28) = 1;                                                  // analyse sequentially
+  icntl(28) = 1;  // analyse sequentially
   instance->call(4);
   // Solving needs the factors only, and the entries go when this returns.
   mumps.irn = mumps.jcn = mumps.perm_in = nullptr;

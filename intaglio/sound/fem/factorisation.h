@@ -1,4 +1,5 @@
-// The matrix of an elastic body, shifted, factorised once and solved many times: MUMPS, with a METIS ordering of the nodes.
+// The matrix of an elastic body, shifted, factorised once and solved many times: MUMPS, with a METIS ordering
+// of the nodes.
 //
 // Owns the factors (RAII, movable). MUMPS keeps global state, so its calls are serialised by a mutex: objects
 // may live on any thread, but only one works at a time. BLAS is set to one thread for the whole process, so

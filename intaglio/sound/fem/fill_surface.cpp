@@ -10,6 +10,7 @@
 #include "intaglio/sound/fem/flat_frame.h"
 #include "intaglio/sound/fem/lattice.h"
 #include "intaglio/sound/fem/surface_query.h"
+#include "intaglio/sound/fem/thick_shell.h"
 #include "intaglio/sound/fem/winding_number.h"
 
 namespace intaglio::sound {
@@ -21,8 +22,8 @@ constexpr double max_lattice_points = 2e6;
 constexpr double loose_share = 0.01;  // of the volume: a smaller loose part is a crumb of the lattice
 constexpr double lid_share = 0.15;  // of the boundary: where so much of it has no surface near, it is made up
 constexpr double lid_distance = 0.3;  // of a cell: what is farther from the surface is not it
-constexpr double thin_extent = 2.2;    // of the thickness: a square bar is twice as wide as 2 V / A
-constexpr double flattest_cell = 2;    // of the thickness, its length
+constexpr double thin_extent = 2.2;   // of the thickness: a square bar is twice as wide as 2 V / A
+constexpr double flattest_cell = 2;   // of the thickness, its length
 constexpr double max_rescaling = 0.05;
 constexpr double least_jacobian = 0.1;  // of the mean over the element
 
@@ -171,7 +172,13 @@ Result<LatticeBox> choose_lattice(const BodySurface& body, const Mat3& to_frame,
                                   const std::string& name) {
   Eigen::AlignedBox3d bounds;
   for (const Triangle& t : body.triangles) {
-    for (const int p : t) bounds.extend(to_frame * body.points[std::size_t(p)]);
+    const Vec3& o = body.points[std::size_t(t[0])];
+    const Vec3 cross = (body.points[std::size_t(t[1])] - o).cross(body.points[std::size_t(t[2])] - o);
+    const Vec3 half = cross.norm() > 0 ? Vec3(0.5 * body.thickness * cross.normalized()) : Vec3(Vec3::Zero());
+    for (const int p : t) {
+      bounds.extend(to_frame * (body.points[std::size_t(p)] + half));
+      bounds.extend(to_frame * (body.points[std::size_t(p)] - half));
+    }
   }
   const double smallest = std::cbrt(body.volume * tets_per_cell / options.max_elements);
   const double size = std::max(options.element_size, smallest);
@@ -212,7 +219,14 @@ Result<FilledSurface> fill_surface(const BodySurface& body, const FillOptions& o
 
   const WindingNumber winding(body.points, body.triangles);
   Solid solid{[&](const Vec3& p) { return winding.at(frame * p) > 0.5; }};
-  if (body.is_closed()) {
+  std::optional<ThickShell> shell;
+  if (body.thickness > 0) {
+    shell.emplace(body, *surface);
+    solid.inside = [&](const Vec3& p) { return shell->holds(frame * p); };
+    solid.clearance = [&](const Vec3& p, double reach) {
+      return surface->distance(frame * p, reach) - 0.5 * body.thickness;
+    };
+  } else if (body.is_closed()) {
     // Only then does the winding number change nowhere but at the surface.
     solid.clearance = [&](const Vec3& p, double reach) { return surface->distance(frame * p, reach); };
     solid.crossing = [&](const Vec3& in, const Vec3& out) {
@@ -231,6 +245,8 @@ Result<FilledSurface> fill_surface(const BodySurface& body, const FillOptions& o
   }
   filled.mesh = quadratic_mesh(std::move(corners.points), std::move(corners.tets));
 
+  // The surface given is the middle of a shell: there is none to curve onto or to be missed.
+  if (body.thickness > 0) return filled;
   if (!body.is_closed()) {
     const double lid = share_of_lid(filled.mesh, *surface, lid_distance * filled.element_size);
     if (lid > lid_share)

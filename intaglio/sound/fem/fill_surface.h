@@ -3,6 +3,8 @@
 // surface where that keeps every element positive, and of a closed surface the exact volume is restored,
 // since a shift of pitch follows its error.
 //
+// A surface with a thickness is filled half of it to either side (thick_shell.h).
+//
 // Open, self-intersecting and doubled surfaces are filled too; what was found is in `notes`. Refused: what
 // encloses no volume or only by a lid that is not there, loose parts, and what is too thin for the greatest
 // number of elements. Cost: about 0.1 s for 2,500 elements from 5,000 triangles.

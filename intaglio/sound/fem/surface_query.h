@@ -1,8 +1,8 @@
 // What a body's surface is near to: its nearest point, and where a line meets it.
 //
-// Immutable, safe from any thread; a query takes some microseconds, more where triangles are much smaller than
-// its reach. Source of the line test: Möller & Trumbore, "Fast, minimum storage ray/triangle intersection",
-// 1997.
+// Immutable, safe from any thread; a query takes some microseconds, more where triangles are much smaller
+// than its reach. Source of the line test: Möller & Trumbore, "Fast, minimum storage ray/triangle
+// intersection", 1997.
 #pragma once
 
 #include <optional>

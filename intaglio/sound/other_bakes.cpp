@@ -1,0 +1,169 @@
+#include "intaglio/sound/other_bakes.h"
+
+#include <cmath>
+#include <map>
+
+#include "intaglio/sound/fem/assemble_elements.h"
+#include "intaglio/sound/fem/element.h"
+#include "intaglio/sound/model_of_modes.h"
+
+namespace intaglio::sound {
+
+namespace {
+
+using Eigen::MatrixXd;
+
+// What ten nodes do when the four corners decide: middles are halfway.
+using Follow = Eigen::Matrix<double, 10, 4>;
+Follow follow_corners() {
+  Follow follow = Follow::Zero();
+  follow.topRows<4>().setIdentity();
+  for (int e = 0; e < 6; ++e) {
+    for (const int corner : tet_edges[std::size_t(e)]) follow(4 + e, corner) = 0.5;
+  }
+  return follow;
+}
+
+// An edge of the shell, with the two vertices opposite to it; at a rim the second is the first again.
+struct Hinge {
+  int a, b, left, right;
+  bool is_rim() const { return left == right; }
+};
+
+Result<std::vector<Hinge>> hinges_of(const BodySurface& surface, const std::string& name) {
+  std::map<std::pair<int, int>, std::vector<int>> opposite;
+  for (const Triangle& t : surface.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) opposite[std::minmax(t[k], t[(k + 1) % 3])].push_back(t[(k + 2) % 3]);
+  }
+  std::vector<Hinge> hinges;
+  for (const auto& [edge, sides] : opposite) {
+    if (sides.size() > 2)
+      return fail(name, "has edges of more than two triangles, which no spring-mass shell has",
+                  "bake it as a solid, or mend the mesh");
+    hinges.push_back({edge.first, edge.second, sides.front(), sides.back()});
+  }
+  return hinges;
+}
+
+struct ShellElements {
+  const BodySurface& surface;
+  const Material& material;
+  double thickness;
+
+  const Vec3& at(int p) const { return surface.points[std::size_t(p)]; }
+  double area(const Hinge& h, int side) const {
+    return 0.5 * (at(h.b) - at(h.a)).cross(at(side) - at(h.a)).norm();
+  }
+
+  ElementSystem<4> operator()(const Hinge& h) const {
+    ElementSystem<4> element{Eigen::Matrix<double, 12, 12>::Zero(), Eigen::Matrix4d::Zero()};
+    const Vec3 edge = at(h.b) - at(h.a);
+    Eigen::Matrix<double, 12, 1> stretch = Eigen::Matrix<double, 12, 1>::Zero();
+    stretch.segment<3>(0) = -edge.normalized();
+    stretch.segment<3>(3) = edge.normalized();
+    element.stiffness += material.youngs_modulus * thickness * stretch * stretch.transpose();
+    const double areas = area(h, h.left) + (h.is_rim() ? 0 : area(h, h.right));
+    // Each triangle gives a third of its mass to a corner, half of that through each of the corner's edges.
+    element.mass(0, 0) = element.mass(1, 1) = material.density * thickness * areas / 6;
+    if (h.is_rim()) return element;
+    Eigen::Matrix<double, 12, 1> fold = Eigen::Matrix<double, 12, 1>::Zero();
+    for (const int side : {2, 3}) {
+      const Vec3& tip = at(side == 2 ? h.left : h.right);
+      const double along = (tip - at(h.a)).dot(edge) / edge.squaredNorm();
+      const Vec3 altitude = tip - at(h.a) - along * edge;
+      // Across the two triangles the normal keeps its side of the surface.
+      const Vec3 normal = (side == 2 ? edge.cross(altitude) : altitude.cross(edge)).normalized();
+      const Vec3 turn = normal / altitude.norm();
+      fold.segment<3>(3 * side) += turn;
+      fold.segment<3>(0) -= (1 - along) * turn;
+      fold.segment<3>(3) -= along * turn;
+    }
+    const double bending = material.youngs_modulus * std::pow(thickness, 3) /
+                           (12 * (1 - material.poisson_ratio * material.poisson_ratio));
+    element.stiffness += bending * edge.squaredNorm() / areas * fold * fold.transpose();
+    return element;
+  }
+};
+
+}  // namespace
+
+Result<ModalModel> bake_linear(const TetMesh& mesh, const Material& material, const BakeOptions& options) {
+  if (auto valid = check_material(material); !valid) return tl::unexpected(valid.error());
+  std::vector<int> number(mesh.nodes.size(), -1);
+  std::vector<std::array<int, 4>> corners;
+  int count = 0;
+  for (const Tet10& tet : mesh.tets) {
+    std::array<int, 4>& own = corners.emplace_back();
+    for (std::size_t k = 0; k < 4; ++k) {
+      int& n = number[std::size_t(tet[k])];
+      if (n < 0) n = count++;
+      own[k] = n;
+    }
+  }
+  TetMesh straight = mesh;
+  const Follow follow = follow_corners();
+  Eigen::Matrix<double, 30, 12> follow_axes = Eigen::Matrix<double, 30, 12>::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int a = 0; a < 10; ++a) {
+      for (int b = 0; b < 4; ++b) follow_axes(3 * a + axis, 3 * b + axis) = follow(a, b);
+    }
+  }
+  double mass = 0;
+  const ElasticSystem system = assemble_elements<4>(std::size_t(count), corners, [&](std::size_t e) {
+    const ElementNodes whole = element_nodes(mesh, mesh.tets[e]);
+    const ElementNodes nodes = whole.leftCols<4>() * follow.transpose();
+    mass += material.density * element_volume(nodes);
+    return ElementSystem<4>{follow_axes.transpose() * element_stiffness(nodes, material) * follow_axes,
+                            follow.transpose() * element_mass(nodes, material.density) * follow};
+  });
+  auto modes = free_modes(system, options.modes);
+  if (!modes) return tl::unexpected(modes.error());
+  const MatrixXd of_corners = std::move(modes->shape);
+  modes->shape = MatrixXd::Zero(3 * Eigen::Index(mesh.nodes.size()), of_corners.cols());
+  for (std::size_t e = 0; e < mesh.tets.size(); ++e) {
+    for (int a = 0; a < 10; ++a) {
+      MatrixXd rows = MatrixXd::Zero(3, of_corners.cols());
+      for (int b = 0; b < 4; ++b) {
+        if (follow(a, b) > 0) rows += follow(a, b) * of_corners.middleRows(3 * corners[e][std::size_t(b)], 3);
+      }
+      modes->shape.middleRows(3 * mesh.tets[e][std::size_t(a)], 3) = rows;
+    }
+  }
+  return model_of_modes(*modes, boundary_surface(mesh), mass, material, options);
+}
+
+Result<ModalModel> bake_spring_shell(const BodySurface& surface, double thickness, const Material& material,
+                                     const BakeOptions& options, const std::string& name) {
+  if (auto valid = check_material(material); !valid) return tl::unexpected(valid.error());
+  const auto hinges = hinges_of(surface, name);
+  if (!hinges) return tl::unexpected(hinges.error());
+  // Vertices that no triangle has are no masses.
+  std::vector<int> number(surface.points.size(), -1);
+  ModalSurface kept;
+  for (const Triangle& t : surface.triangles) {
+    Triangle& own = kept.triangles.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) {
+      int& n = number[std::size_t(t[k])];
+      if (n < 0) {
+        n = static_cast<int>(kept.points.size());
+        kept.points.push_back(surface.points[std::size_t(t[k])]);
+        kept.nodes.push_back(n);
+      }
+      own[k] = n;
+    }
+  }
+  std::vector<std::array<int, 4>> elements;
+  for (const Hinge& h : *hinges)
+    elements.push_back({number[std::size_t(h.a)], number[std::size_t(h.b)], number[std::size_t(h.left)],
+                        number[std::size_t(h.right)]});
+  const ShellElements element{surface, material, thickness};
+  const ElasticSystem system = assemble_elements<4>(kept.points.size(), elements,
+                                                    [&](std::size_t e) { return element((*hinges)[e]); });
+  const auto modes = free_modes(system, options.modes);
+  if (!modes) return fail(name, modes.error().message(), "a spring-mass shell must be of one piece");
+  // Of a shell the surface counts both of its sides.
+  const double mass = material.density * thickness * 0.5 * surface.area;
+  return model_of_modes(*modes, std::move(kept), mass, material, options);
+}
+
+}  // namespace intaglio::sound
