@@ -1,7 +1,11 @@
 # Thin: scripts and CMake presets do the work.
-.PHONY: demo test quick bench format
+.PHONY: demo run test quick bench format
 demo:
 	script/demo
+run:
+	script/setup run
+	script/build release intaglio
+	build/release/intaglio run
 test:
 	script/test
 quick:

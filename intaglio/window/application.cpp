@@ -78,7 +78,7 @@ class Application {
   RunReport report_;
   FrameTimes times_;
   std::unique_ptr<Recorder> recorder_;
-  Clock::time_point start_, recording_since_;
+  Clock::time_point start_, recording_since_, said_;
   std::vector<float> heard_;
   std::string screenshot_file_;
   bool wants_screenshot_ = false;
@@ -89,6 +89,7 @@ class Application {
 void Application::say(const std::string& message) {
   if (message.empty() || (!facts_.messages.empty() && facts_.messages.back() == message)) return;
   facts_.messages.push_back(message);
+  said_ = Clock::now();
   if (facts_.messages.size() > 20) facts_.messages.pop_front();
   report_.messages.push_back(message);
 }
@@ -198,6 +199,7 @@ void Application::draw_panels_over(double seconds) {
     draw_overlays(settings_, *session, Projection(hands_.camera().camera(), aspect), overlay);
   }
   facts_.is_loading = stage_.is_loading();
+  facts_.message_age = since(said_);
   facts_.picture_scale = picture_scale_;
   facts_.gamepad = gamepad_.name();
   facts_.audio = stage_.audio()->status();

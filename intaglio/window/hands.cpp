@@ -186,9 +186,23 @@ void Hands::drag(session::LiveSession& session, const Projection& projection) {
 
 // Over the floor the pen hovers; with the button held it is pressed into it.
 void Hands::lead_pen(session::LiveSession& session, const Projection& projection) {
-  const surface::Surface& floor = *session.surface().surface;
-  const auto at = pick_floor(floor, motion_ != Motion::press, projection.eye, projection.ray(place()));
+  const surface::Surface* touched = session.surface().surface.get();
+  const bool has_relief = motion_ != Motion::press;
+  auto at = pick_floor(*touched, has_relief, projection.eye, projection.ray(place()));
+  // The nearest surface whose rectangle is met.
+  const auto covers = [](const surface::Surface& s, const Vec3& p) {
+    return s.placement().covers(s.placement().to_local(p));
+  };
+  if (at && !covers(*touched, *at) && !session.surface().grounds.empty()) at.reset();
+  for (const session::SceneSurface& ground : session.surface().grounds) {
+    const auto there = pick_floor(*ground.surface, has_relief, projection.eye, projection.ray(place()));
+    if (!there || !covers(*ground.surface, *there)) continue;
+    if (at && (*at - projection.eye).norm() < (*there - projection.eye).norm()) continue;
+    at = there;
+    touched = ground.surface.get();
+  }
   if (!at) return;
+  const surface::Surface& floor = *touched;
   const surface::Placement& placement = floor.placement();
   const double side = std::max(placement.size_u(), placement.size_v());
   if (motion_ != Motion::press) return session.lead_pen(*at + 0.02 * side * placement.n());

@@ -160,7 +160,8 @@ PanelActions draw_panels(Settings& settings, session::LiveSession* session, cons
 }
 
 void draw_status_line(const Settings& settings, const PanelFacts& facts) {
-  std::string line = facts.messages.empty() ? "" : facts.messages.back();
+  constexpr double shown = 8;  // s
+  std::string line = facts.messages.empty() || facts.message_age > shown ? "" : facts.messages.back();
   if (facts.is_loading) line = "loading ...";
   if (facts.recorded >= 0) line = fmt::format("recording {:.1f} s    {}", facts.recorded, line);
   if (settings.paused) line = "paused    " + line;

@@ -24,6 +24,7 @@ struct PanelFacts {
   std::vector<float> force;          // N, the pen's, newest last
   std::vector<float> scope;          // what is heard, -1..1, newest last
   std::deque<std::string> messages;  // newest last
+  double message_age = 0;            // s, since the newest
 };
 
 struct PanelActions {

@@ -28,6 +28,8 @@ Result<std::unique_ptr<SdlWindow>> SdlWindow::create(const std::string& title, i
   std::unique_ptr<SdlWindow> made(new SdlWindow);
   SDL_SetHint(SDL_HINT_VIDEO_X11_NET_WM_BYPASS_COMPOSITOR, "0");
   SDL_SetMainReady();
+  // Asked for nothing else, SDL tries Wayland too, which then complains on standard error.
+  if (!is_set("WAYLAND_DISPLAY") && !is_set("SDL_VIDEODRIVER")) SDL_SetHint(SDL_HINT_VIDEODRIVER, "x11");
   if (SDL_Init(SDL_INIT_VIDEO) != 0)
     return fail("window", fmt::format("there is no display ({})", SDL_GetError()), no_window);
   SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER);  // without it there is no gamepad, nothing else

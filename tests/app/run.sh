@@ -10,7 +10,6 @@ trap 'rm -rf "$work"' EXIT
 failures=0
 export XDG_CONFIG_HOME="$work/config" XDG_CACHE_HOME="$work/cache"
 export SDL_VIDEODRIVER=offscreen LP_NUM_THREADS=2
-command -v Xvfb >/dev/null && true  # not needed: the offscreen driver has OpenGL
 
 check() {
   local name=$1

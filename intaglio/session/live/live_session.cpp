@@ -6,6 +6,7 @@
 
 #include "intaglio/session/cost.h"
 #include "intaglio/session/simulation.h"
+#include "intaglio/session/union_solid.h"
 
 namespace intaglio::session {
 
@@ -25,6 +26,23 @@ haptics::ServoOptions servo_options(const Scene& scene, const Material& floor, b
   haptics::ServoOptions options = pen_options(scene, floor);
   if (!feels) options.representation = Representation::flat;
   return options;
+}
+
+// What the pen meets: the floor, or the floor and all grounds as one.
+haptics::PenServo make_servo(const Scene& scene, const SceneSurface& surface, bool feels) {
+  const haptics::ServoOptions options = servo_options(scene, surface.material, feels);
+  // The paper's planes are made of one surface.
+  if (surface.grounds.empty() || options.method == haptics::HapticMethod::plane)
+    return {surface.surface, options};
+  auto solid = std::make_shared<UnionSolid>();
+  const double footprint = 2 * options.pen.tip_radius;
+  solid->add(std::make_unique<haptics::TexturedSlab>(
+      surface.surface, haptics::SolidOptions{options.representation, footprint, scene.surface.thickness}));
+  for (std::size_t k = 0; k < surface.grounds.size(); ++k)
+    solid->add(std::make_unique<haptics::TexturedSlab>(
+        surface.grounds[k].surface,
+        haptics::SolidOptions{options.representation, footprint, scene.grounds[k].thickness}));
+  return {surface.surface, solid, options};
 }
 
 }  // namespace
@@ -55,8 +73,7 @@ LiveSession::LiveSession(const Scene& scene, const SceneSurface& surface, const 
     mouse_ = std::make_unique<MouseDevice>(pen.device, pen.hand, pen.workspace.to_device(above));
     device = mouse_.get();
   }
-  servo_ = std::make_unique<haptics::ServoLoop>(
-      haptics::PenServo(surface.surface, servo_options(scene_, surface.material, options.feels)), *device);
+  servo_ = std::make_unique<haptics::ServoLoop>(make_servo(scene_, surface, options.feels), *device);
   pushed_.assign(std::min(scene_.balls.size(), haptics::most_balls), Vec3::Zero());
   now_.bodies = std::min(world_.count(), most_live_bodies);
   publish();
