@@ -34,14 +34,16 @@ struct CurvedAsked {
 
 void ball(const CurvedAsked& asked, const Vec3& centre, double radius, int index) {
   std::array<MeshFeature, ContactSet::capacity> features;
-  const double reach = std::max(radius + asked.found.limit(), 2 * asked.deepest);
-  // Several only of those that touch or are about to.
-  const auto nearest = closest_point(asked.relief, centre, reach);
-  if (!nearest) return;
-  if (nearest->distance <= 0) return asked.add(*nearest, radius, Part::round, index);
   const std::size_t count =
       closest_features(asked.relief, centre, radius + asked.found.limit(), min_angle, features);
   for (std::size_t k = 0; k < count; ++k) asked.add(features[k], radius, Part::round, index);
+  if (count > 0) return;
+  // Nothing near may also mean: deep below.
+  const double reach = 2 * asked.deepest;
+  const auto base = asked.relief.base().closest(centre, reach);
+  if (!base || base->height > -asked.relief.surface().depth(base->uv)) return;
+  const auto nearest = closest_point(asked.relief, centre, reach);
+  if (nearest && nearest->distance < 0) asked.add(*nearest, radius, Part::round, index);
 }
 
 void corner(const CurvedAsked& asked, const Vec3& at, std::span<const Vec3> around, int index) {
@@ -195,6 +197,17 @@ struct TouchOf {
   }
 };
 
+// Whether a body is deep in the solid, with nothing of the relief in its own box.
+bool is_under(const ReliefMesh& relief, const Vec3& at, double reach) {
+  if (!relief.bounds().contains(at)) return false;
+  const Vec3 aside = Vec3::Constant(reach);
+  bool is_near = false;
+  relief.for_each_triangle({at - aside, at + aside}, [&](int) { is_near = true; });
+  if (is_near) return false;
+  const auto nearest = closest_point(relief, at, relief.bounds().diagonal().norm());
+  return nearest && nearest->distance < 0;
+}
+
 }  // namespace
 
 ContactSet curved_contacts(const ReliefMesh& relief, const Shape& shape, const Pose& pose, double margin) {
@@ -224,10 +237,8 @@ ContactSet curved_contacts(const ReliefMesh& relief, const Shape& shape, const P
     std::visit(TouchOf{asked, at}, part);
   });
   if (found.overflowed()) set.status |= status::limit;
-  if (found.size() == 0 && set.status == status::ok && bounds.contains(pose.position)) {
-    const auto nearest = closest_point(relief, pose.position, side);
-    if (nearest && nearest->distance < -reach) set.status |= status::under;
-  }
+  if (found.size() == 0 && set.status == status::ok && is_under(relief, pose.position, reach + margin))
+    set.status |= status::under;
   report(relief, found, set);
   return set;
 }

@@ -1,5 +1,7 @@
 #include "intaglio/dynamics/touchable_shape.h"
 
+#include <algorithm>
+
 #include "intaglio/contact/curved_on_relief.h"
 #include "intaglio/contact/relief_relief.h"
 #include "intaglio/dynamics/curved_shape.h"
@@ -34,6 +36,9 @@ contact::ContactSet touch_of_reliefs(const TouchableShape& body, const Pose& pos
   const auto* curved_ground = dynamic_cast<const CurvedShape*>(&ground);
   if (flat_body && flat_ground)
     return contact::relief_relief_contacts({flat_body->relief(), pose}, {flat_ground->relief(), {}}, margin);
+  // Of a curved body many pieces are nearly as low as the lowest: what is farther ahead is found when it is
+  // nearer.
+  margin = std::min(margin, 0.3 * std::min(body.texel(), ground.texel()));
   if (curved_body && flat_ground)
     return contact::curved_on_relief(curved_body->relief(), pose, flat_ground->relief(), margin);
   if (flat_body && curved_ground) {

@@ -7,7 +7,8 @@
 // gap.
 //
 // Immutable and cheap to copy; queries neither allocate nor lock, from any thread. Memory: 250 bytes a
-// triangle beside the mesh. Built in about 3 us a triangle.
+// triangle beside the mesh. Built in about 1 us a triangle, and what bounds of the texture under each cost
+// (bench_curved).
 #pragma once
 
 #include <array>

@@ -20,6 +20,8 @@ ReliefTriangle::ReliefTriangle(const TriangleMesh& mesh, const Vec2& texels, int
   const double towards = n.dot(middle);
   least_normal = std::max(
       1e-6, (towards + std::min({0.0, n_a.dot(middle), n_b.dot(middle)})) / std::max(1e-12, middle.norm()));
+  bend_a = n_a.norm() / least_normal;
+  bend_b = n_b.norm() / least_normal;
   x = mesh.uvs[a].cwiseProduct(texels) - Vec2::Constant(0.5);
   x_a = (mesh.uvs[b] - mesh.uvs[a]).cwiseProduct(texels);
   x_b = (mesh.uvs[c] - mesh.uvs[a]).cwiseProduct(texels);
@@ -38,14 +40,11 @@ FlatPiece::FlatPiece(const ReliefTriangle& triangle, const WeightPolygon& polygo
   // n leaves its value in the middle by `bend` at most, and its tangent there by 1.5 bend^2; a height that
   // rises with it is the other product of second order.
   const double slope_a = heights.slope.dot(triangle.x_a), slope_b = heights.slope.dot(triangle.x_b);
-  double rise = 0, bend2 = 0;
-  for (const Vec2& corner : polygon) {
-    const double a = corner[0] - at[0], b = corner[1] - at[1];
-    rise = std::max(rise, std::abs(a * slope_a + b * slope_b));
-    bend2 = std::max(bend2, (a * triangle.n_a + b * triangle.n_b).squaredNorm());
-  }
-  bend2 /= triangle.least_normal * triangle.least_normal;
-  play = heights.play + (rise + heights.play) * std::sqrt(bend2) + 1.5 * std::abs(heights.z) * bend2;
+  Vec2 most = Vec2::Zero();
+  for (const Vec2& corner : polygon) most = most.cwiseMax((corner - at).cwiseAbs());
+  const double rise = std::abs(slope_a) * most[0] + std::abs(slope_b) * most[1];
+  const double bend = triangle.bend_a * most[0] + triangle.bend_b * most[1];
+  play = heights.play + (rise + heights.play) * bend + 1.5 * std::abs(heights.z) * bend * bend;
 }
 
 double FlatPiece::radius() const {

@@ -16,10 +16,11 @@ namespace intaglio::surface {
 
 struct ReliefTriangle {
   int index;
-  Vec3 p, p_a, p_b;     // p + a p_a + b p_b
-  Vec3 n, n_a, n_b;     // N likewise
-  double least_normal;  // |N| is never less
-  Vec2 x, x_a, x_b;     // in cells: texel (i, j) is at (i, j)
+  Vec3 p, p_a, p_b;       // p + a p_a + b p_b
+  Vec3 n, n_a, n_b;       // N likewise
+  double least_normal;    // |N| is never less
+  double bend_a, bend_b;  // n changes by no more for a unit of a, of b
+  Vec2 x, x_a, x_b;       // in cells: texel (i, j) is at (i, j)
 
   // `texels`: how many the texture has along u and v.
   ReliefTriangle(const TriangleMesh& mesh, const Vec2& texels, int triangle);
