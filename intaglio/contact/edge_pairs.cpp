@@ -181,8 +181,8 @@ class EdgeSearch {
     double leaning = 0;
     for (const Vec3& inward : edge_.inward) leaning = std::max(leaning, -normal.dot(inward));
     if (leaning > slack) return;
-    // The edge must be in the relief, not out of it again on the other side.
-    if (edge_.radius == 0 && distance < 0 && !is_under(asked_.surface, q + distance * normal)) return;
+    if (edge_.radius == 0 && distance < 0 && !is_way_out(asked_.surface, q + distance * normal, distance))
+      return;
     const Candidate met{q, normal, distance - edge_.radius,
                         feature_id(leaf.i + c, leaf.j + r, where, Part::edge, edge_.index, asked_.child)};
     if (is_least && leaning <= slack_at(distance, asked_.overlap)) {
