@@ -16,6 +16,7 @@ class EdgeSearch {
       : asked_(asked),
         edge_(edge),
         along_(edge.b - edge.a),
+        inverse_(1 / along_.x(), 1 / along_.y()),
         length2_(along_.squaredNorm()),
         rod_(edge.a, edge.b, edge.radius + asked.found.limit(), asked.overlap) {}
 
@@ -49,8 +50,7 @@ class EdgeSearch {
   // From texel (c, r) to the next along x.
   void crease_x(const Leaf& leaf, int c, int r) const {
     const double z = leaf.at(c, r), slope_x = (leaf.at(c + 1, r) - z) / leaf.w;
-    const double u = ((leaf.j + r + 0.5) * leaf.h - edge_.a.y()) / along_.y();
-    look_under(leaf, c, r, u, (edge_.a.x() + u * along_.x()) / leaf.w - 0.5 - (leaf.i + c), 1, 0);
+    if (!asked_.found.overlaps()) look_under(leaf, c, r, 1, 0);
     // Of the plane that holds both directions.
     const double slope_y = (along_.z() - along_.x() * slope_x) / along_.y();
     const Across first{z - leaf.at(c, r - 1), leaf.at(c, r + 1) - z},
@@ -60,8 +60,7 @@ class EdgeSearch {
   }
   void crease_y(const Leaf& leaf, int c, int r) const {
     const double z = leaf.at(c, r), slope_y = (leaf.at(c, r + 1) - z) / leaf.h;
-    const double u = ((leaf.i + c + 0.5) * leaf.w - edge_.a.x()) / along_.x();
-    look_under(leaf, c, r, u, (edge_.a.y() + u * along_.y()) / leaf.h - 0.5 - (leaf.j + r), 0, 1);
+    if (!asked_.found.overlaps()) look_under(leaf, c, r, 0, 1);
     const double slope_x = (along_.z() - along_.y() * slope_y) / along_.x();
     const Across first{z - leaf.at(c - 1, r), leaf.at(c + 1, r) - z},
         second{leaf.at(c, r + 1) - leaf.at(c - 1, r + 1), leaf.at(c + 1, r + 1) - leaf.at(c, r + 1)};
@@ -121,11 +120,16 @@ class EdgeSearch {
   }
 
  private:
-  // Where edge and crease cross in plan, at u of the edge and t of the crease from texel (c, r) to (c + x, r
-  // + y), an edge below shows an overlap: a crease in the body is above the edge of two of its faces
-  // somewhere, if neither of its ends is in the body.
-  void look_under(const Leaf& leaf, int c, int r, double u, double t, int x, int y) const {
-    if (!(u >= 0 && u <= 1 && t >= 0 && t <= 1) || edge_.radius > 0 || asked_.found.overlaps()) return;
+  // Where the edge crosses the crease from texel (c, r) to (c + x, r + y) in plan, an edge below shows an
+  // overlap: a crease in the body is above the edge of two of its faces somewhere, if neither of its ends is
+  // in the body.
+  void look_under(const Leaf& leaf, int c, int r, int x, int y) const {
+    const Vec3 q = leaf.texel(c, r);
+    const double u = x == 1 ? (q.y() - edge_.a.y()) * inverse_.y() : (q.x() - edge_.a.x()) * inverse_.x();
+    if (!(u >= 0 && u <= 1) || edge_.radius > 0) return;
+    const double t = x == 1 ? (edge_.a.x() + u * along_.x() - q.x()) / leaf.w
+                            : (edge_.a.y() + u * along_.y() - q.y()) / leaf.h;
+    if (!(t >= 0 && t <= 1)) return;
     const double z = leaf.at(c, r) + t * (leaf.at(c + x, r + y) - leaf.at(c, r)),
                  gap = edge_.a.z() + u * along_.z() - z;
     if (gap >= 0) return;
@@ -181,8 +185,8 @@ class EdgeSearch {
     double leaning = 0;
     for (const Vec3& inward : edge_.inward) leaning = std::max(leaning, -normal.dot(inward));
     if (leaning > slack) return;
-    // The edge must be in the relief, not out of it again on the other side.
-    if (edge_.radius == 0 && distance < 0 && !is_under(asked_.surface, q + distance * normal)) return;
+    if (edge_.radius == 0 && distance < 0 && !is_way_out(asked_.surface, q + distance * normal, distance))
+      return;
     const Candidate met{q, normal, distance - edge_.radius,
                         feature_id(leaf.i + c, leaf.j + r, where, Part::edge, edge_.index, asked_.child)};
     if (is_least && leaning <= slack_at(distance, asked_.overlap)) {
@@ -195,6 +199,7 @@ class EdgeSearch {
   const Asked& asked_;
   const StraightEdge& edge_;
   Vec3 along_;
+  Vec2 inverse_;  // of its parts; infinite where there is none
   double length2_;
   Rod rod_;
 };

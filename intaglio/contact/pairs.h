@@ -7,8 +7,9 @@
 //                                           it, and not less than half as far from any that is not turned
 //                                           up (convex), or not deeper than `overlap` (mesh);
 //   edge of the body and crease or patch:   not deeper than `overlap`, the greater of the margin and a
-//                                           texel; the edge's point in the relief; of a round body that much
-//                                           of the axis below the relief.
+//                                           texel, nor than 1.5 times its point is below the relief; of a
+//                                           round body that much of the axis below the relief.
+// So of a convex body no depth is more than twice the way that the whole of it would have to be lifted.
 // Each pair must be a least gap give or take slack.h: the common normal among the outer normals of both
 // features.
 #pragma once
@@ -28,8 +29,12 @@ struct Asked {
   Candidates& found;
 };
 
-inline bool is_under(const surface::Surface& surface, const Vec3& p) {
-  return p.z() < -surface.depth(surface.placement().uv(p));
+// Whether an edge's point p that overlaps so far along a normal is in the relief, and not much nearer to the
+// way straight up: else the normal misleads, beside a wall or under a narrow ridge.
+inline constexpr double most_over_vertical = 1.5;
+inline bool is_way_out(const surface::Surface& surface, const Vec3& p, double distance) {
+  const double under = -surface.depth(surface.placement().uv(p)) - p.z();
+  return -distance <= most_over_vertical * under + 1e-9;
 }
 
 // A ball: the closest features of the relief to its centre (surface/closest.h), less the radius.

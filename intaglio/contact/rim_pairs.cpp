@@ -157,7 +157,7 @@ class RimSearch {
   void report(const Leaf& leaf, int c, int r, Where where, const Vec3& q, const Vec3& normal, double distance,
               const RimPoint& at, bool is_least = true) const {
     if (distance < -asked_.overlap || !asked_.surface.placement().covers(q)) return;
-    if (distance < 0 && !is_under(asked_.surface, at.point)) return;
+    if (distance < 0 && !is_way_out(asked_.surface, at.point, distance)) return;
     const double leaning = std::max(normal.dot(rim_.normal), normal.dot(at.out));
     const Candidate met{q, normal, distance,
                         feature_id(leaf.i + c, leaf.j + r, where, Part::edge, rim_.index, asked_.child)};
