@@ -102,7 +102,8 @@ Result<ModalModel> bake_linear(const TetMesh& mesh, const Material& material, co
   }
   TetMesh straight = mesh;
   const Follow follow = follow_corners();
-  Eigen::Matrix<double, 30, 12> follow_axes = Eigen::Matrix<double, 30, 12>::Zero();
+  // Of dynamic size: unrolled, the product below takes minutes to compile.
+  MatrixXd follow_axes = MatrixXd::Zero(30, 12);
   for (int axis = 0; axis < 3; ++axis) {
     for (int a = 0; a < 10; ++a) {
       for (int b = 0; b < 4; ++b) follow_axes(3 * a + axis, 3 * b + axis) = follow(a, b);
@@ -113,7 +114,8 @@ Result<ModalModel> bake_linear(const TetMesh& mesh, const Material& material, co
     const ElementNodes whole = element_nodes(mesh, mesh.tets[e]);
     const ElementNodes nodes = whole.leftCols<4>() * follow.transpose();
     mass += material.density * element_volume(nodes);
-    return ElementSystem<4>{follow_axes.transpose() * element_stiffness(nodes, material) * follow_axes,
+    const MatrixXd of_ten = element_stiffness(nodes, material);
+    return ElementSystem<4>{follow_axes.transpose() * of_ten * follow_axes,
                             follow.transpose() * element_mass(nodes, material.density) * follow};
   });
   auto modes = free_modes(system, options.modes);
