@@ -36,7 +36,7 @@ Image8 first_picture(const Scene& scene, const SceneSurface& surface) {
 
 struct Difference {
   double mean = 0, worst = 0;  // of blocks, 0..255
-  bool is_seen() const { return mean > 2 || worst > 30; }
+  bool is_seen() const { return mean > 0.8 || worst > 30; }
 };
 
 Difference compare(const Image8& a, const Image8& b) {
