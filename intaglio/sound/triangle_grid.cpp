@@ -26,15 +26,17 @@ Vec3 nearest_barycentric(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
   if (d3 >= 0 && d4 <= d3) return Vec3::UnitY();
   if (d6 >= 0 && d5 <= d6) return Vec3::UnitZ();
   const double vc = d1 * d4 - d3 * d2;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return {1 - d1 / (d1 - d3), d1 / (d1 - d3), 0};
+  if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 > d3) return {1 - d1 / (d1 - d3), d1 / (d1 - d3), 0};
   const double vb = d5 * d2 - d1 * d6;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return {1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)};
+  if (vb <= 0 && d2 >= 0 && d6 <= 0 && d2 > d6) return {1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)};
   const double va = d3 * d6 - d5 * d4;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0 && (d4 - d3) + (d5 - d6) > 0) {
     const double t = (d4 - d3) / ((d4 - d3) + (d5 - d6));
     return {0, 1 - t, t};
   }
-  return Vec3(va, vb, vc) / (va + vb + vc);
+  const double sum = va + vb + vc;
+  // A sliver without area to speak of has no inside: any corner will do.
+  return sum > 0 ? Vec3(Vec3(va, vb, vc) / sum) : Vec3(Vec3::UnitX());
 }
 
 TriangleGrid::TriangleGrid(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles) {
@@ -115,6 +117,10 @@ void TriangleGrid::spread(std::vector<int>& nearest, Distance distance) const {
       } else {
         given.emplace_back(cell, best);
       }
+    }
+    if (given.empty()) {  // no triangle was near any cell: rounding at the ends of what numbers hold
+      for (const int cell : left) nearest[std::size_t(cell)] = 0;
+      return;
     }
     for (const auto& [cell, t] : given) nearest[std::size_t(cell)] = t;
     front = std::move(left);

@@ -81,6 +81,22 @@ TEST_CASE("the grid finds the nearest triangle, as asking all of them does") {
   }
 }
 
+TEST_CASE("triangles without area are found as any others, and far points nobody names do no harm") {
+  const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {1e6, -1e6, 1e6}, {0, 1e-9, 0}};
+  const std::vector<std::vector<Triangle>> lists{{{0, 1, 2}}, {{0, 0, 0}}, {{0, 0, 1}, {1, 1, 1}},
+                                                 {{0, 1, 0}}, {{1, 0, 0}}, {{0, 1, 4}, {2, 2, 0}}};
+  for (const auto& triangles : lists) {
+    const TriangleGrid grid(points, triangles);
+    for (const Vec3& p : {Vec3(0.5, 0.1, 0), Vec3(-5, 0, 0), Vec3(1e6, 0, 0), Vec3(0, 0, 0)}) {
+      const TrianglePoint found = grid.nearest(p, points, triangles);
+      CHECK(found.triangle >= 0);
+      CHECK(found.triangle < int(triangles.size()));
+      CHECK(found.barycentric.allFinite());
+      CHECK(found.barycentric.sum() == doctest::Approx(1));
+    }
+  }
+}
+
 TEST_CASE("gains are linear in the direction, exact at the points, and never fail far away") {
   const auto model = test::small_slab();
   const auto n = std::size_t(model->modes());

@@ -75,7 +75,10 @@ TEST_CASE("a bowl with thickness rings though nothing closes it") {
   std::erase_if(bowl.triangles, [&](const auto& t) { return bowl.positions[std::size_t(t[0])].y() > 0; });
   const auto body = body_surface(bowl, "bowl.obj", 0.012);
   REQUIRE(body);
-  const auto filled = fill_surface(*body, {0.02, 40'000}, "bowl.obj");
+  const auto coarse = fill_surface(*body, {0.02, 40'000}, "bowl.obj");
+  REQUIRE_FALSE(coarse);
+  CHECK(coarse.error().message().find("--element-size 0.006") != std::string::npos);
+  const auto filled = fill_surface(*body, {0.006, 40'000}, "bowl.obj");
   if (!filled) MESSAGE(filled.error().message());
   REQUIRE(filled);
   CHECK(volume(filled->mesh) == doctest::Approx(body->volume).epsilon(0.05));
@@ -84,7 +87,7 @@ TEST_CASE("a bowl with thickness rings though nothing closes it") {
   CHECK(model->modes() == 5);
 }
 
-TEST_CASE("a spring-mass shell: right mass, six rigid modes, and a plate's pitch within a tenth or two") {
+TEST_CASE("a spring-mass shell: right mass, six rigid modes, a plate's bending but not its torsion") {
   const Material ceramic = *find_material("ceramic");
   const auto body = body_surface(sheet(0.3, 24), "sheet.obj", 0.01);
   REQUIRE(body);
@@ -95,7 +98,9 @@ TEST_CASE("a spring-mass shell: right mass, six rigid modes, and a plate's pitch
   CHECK(shell->modes() == 6);
   MESSAGE("spring-mass tile: " << shell->angular_frequency[0] / tau << " Hz for 381.3, then "
                                << shell->angular_frequency[1] / tau << " for 554.5");
-  CHECK(shell->angular_frequency[0] / tau == doctest::Approx(381.3).epsilon(0.2));
+  // Springs along the edges are a third too stiff in torsion, a tile's first mode; its second bends.
+  CHECK(shell->angular_frequency[0] / tau == doctest::Approx(381.3).epsilon(0.35));
+  CHECK(shell->angular_frequency[1] / tau == doctest::Approx(554.5).epsilon(0.05));
   CHECK(shell->mass > 0);
   // Bending goes as the thickness, the springs' own modes do not.
   const auto thin = bake_spring_shell(*body, 0.005, ceramic, {"sheet", {6, 20, 20'000}}, "sheet.obj");

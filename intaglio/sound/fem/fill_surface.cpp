@@ -239,6 +239,12 @@ Result<FilledSurface> fill_surface(const BodySurface& body, const FillOptions& o
     return fail(name, "encloses no volume", "close the surface, or give it thickness");
   FilledSurface filled{{}, std::cbrt(box->cell.prod()), body.notes};
   if (auto kept = keep_largest(corners, filled.notes, name); !kept) {
+    if (body.thickness > 0)
+      return fail(
+          name,
+          fmt::format("falls apart: elements of {:.2g} m are too large for a curved shell of {:.2g} m",
+                      filled.element_size, body.thickness),
+          fmt::format("use --element-size {:.2g}", 0.5 * body.thickness));
     if (body.is_closed()) return tl::unexpected(kept.error());
     return fail(name, "is open and encloses no volume of one piece",
                 "close the surface, or give it thickness");
