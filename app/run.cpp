@@ -18,7 +18,7 @@ namespace {
 std::atomic<bool> run_interrupted{false};
 
 struct RunArguments {
-  std::string scene, script, device, audio = "default", record_to, surface;
+  std::string scene, script, device, audio = "default", record_to, surface, shaders;
   int width = 0, height = 0;
   double scale = 0;
   bool json = false, fresh = false;
@@ -113,6 +113,7 @@ int run(const RunArguments& arguments, const Common& common) {
   }
   options.device = arguments.device;
   options.audio = arguments.audio;
+  options.shaders = arguments.shaders;
   options.record_to = arguments.record_to;
   if (arguments.width > 0) options.width = arguments.width;
   if (arguments.height > 0) options.height = arguments.height;
@@ -158,6 +159,9 @@ void add_run(CLI::App& app, Common& common) {
       ->check(CLI::Range(16, 4320));
   verb->add_option("--scale", arguments->scale, "Of the panels: 1, 2, ...; else by the screen")
       ->check(CLI::Range(0.5, 4.0));
+  verb->add_option("--shaders", arguments->shaders,
+                   "Folder of shaders to draw with (as intaglio/render/shaders), read again when they change")
+      ->check(CLI::ExistingDirectory);
   verb->add_option("--record-to", arguments->record_to, "Folder of recordings (F9) and screenshots (F12)");
   verb->add_flag("--json", arguments->json, "At the end one JSON object: deadlines of every sense, messages");
   verb->add_flag("--fresh", arguments->fresh, "Neither read nor keep the window's settings");

@@ -101,6 +101,7 @@ Result<RunReport> Application::run() {
   facts_.audio_device = "plays on " + stage_.audio()->name();
   report_.audio_device = stage_.audio()->name();
   stage_.set_scene_file(options_.scene_file);
+  stage_.set_shaders(options_.shaders);
   stage_.ask(options_.scene, settings_, false);
   auto before = Clock::now();
   while (!script_.is_over()) {

@@ -26,6 +26,7 @@ struct RunOptions {
   std::vector<ScriptEvent> script;
   std::string device;                     // NAME@HOST of a VRPN pen; empty: the mouse
   std::string audio = "default";          // open_device.h
+  std::filesystem::path shaders;          // folder of shaders to draw with, watched; empty: those built in
   std::filesystem::path record_to;        // folder of recordings and screenshots; empty: the current one
   std::optional<int> width, height;       // else the last run's
   std::optional<double> interface_scale;  // else by the screen

@@ -3,6 +3,7 @@
 #include <imgui/imgui.h>
 
 #include <algorithm>
+#include <array>
 #include <cfloat>
 #include <cmath>
 
@@ -39,6 +40,15 @@ void surface_panel(Settings& settings, const session::LiveSession& session) {
   for (int k = 0; k < 3; ++k) {
     if (k > 0) ImGui::SameLine();
     if (ImGui::RadioButton(representations[k], chosen == k)) settings.representation = k;
+  }
+  if (chosen == 2) {
+    // How relief is drawn: 0 exact, 1 classic, then meshes.
+    constexpr std::array<int, 2> squares{256, 512};
+    int way = settings.mesh == squares[0] ? 2 : settings.mesh == squares[1] ? 3 : settings.classic ? 1 : 0;
+    if (ImGui::Combo("drawn", &way, "traced\0traced, 32 + 6 steps\0mesh of 256 x 256\0mesh of 512 x 512\0")) {
+      settings.classic = way == 1;
+      settings.mesh = way < 2 ? 0 : squares[std::size_t(way - 2)];
+    }
   }
   const surface::Surface& made = *session.surface().surface;
   double depth = 1e3 * (made.has_depth() ? made.max_depth() : 0);

@@ -60,6 +60,8 @@ const std::vector<Setting>& settings_by_name() {
       direct<&Settings::feels>("feels", false),
       direct<&Settings::hears>("hears", false),
       direct<&Settings::representation>("representation", false),
+      direct<&Settings::mesh>("mesh", false),
+      direct<&Settings::classic>("classic", false),
       direct<&Settings::depth>("depth", false),
       direct<&Settings::stiffness>("stiffness", false),
       direct<&Settings::papers_method>("papers_method", false),

@@ -30,6 +30,8 @@ struct Settings {
   bool pen = false;  // the mouse leads the pen
   bool sees = true, moves = true, feels = true, hears = true;
   int representation = -1;  // 0 flat, 1 normal, 2 relief; -1: the scene's
+  int mesh = 0;             // relief as a displaced mesh of so many squares a side, to compare; 0: traced
+  bool classic = false;     // traced by 32 linear and 6 binary steps, to compare
   double depth = -1;        // m; below 0: the scene's
   double stiffness = -1;    // N/m; below 0: the scene's
   bool papers_method = false;

@@ -102,7 +102,18 @@ Result<void> Stage::drop(const std::filesystem::path& file, const Settings& sett
   return {};
 }
 
+void Stage::set_shaders(const std::filesystem::path& folder) {
+  shaders_ = folder;
+  if (!folder.empty()) shader_watch_.watch({folder});
+  wants_shaders_ = !folder.empty();
+}
+
 std::string Stage::keep_up(const Settings& settings, double now) {
+  if (!shaders_.empty() && renderer_ && (shader_watch_.has_changed(now) || wants_shaders_)) {
+    wants_shaders_ = false;
+    const auto read = renderer_->reload_shaders(shaders_);
+    return read ? "shaders of " + shaders_.string() : read.error().message();
+  }
   if (asked_ && differ(settings, *asked_)) ask(asked_base_, settings, true);
   if (!watch_.has_changed(now) || loader_.is_busy()) return "";
   session::Scene scene = base_;
@@ -144,23 +155,28 @@ bool Stage::poll(std::string& message) {
 
 Result<void> Stage::show() {
   if (!renderer_) return {};
-  return renderer_->show(session::surface_parts(session_->scene(), session_->surface()));
+  auto parts = session::surface_parts(session_->scene(), session_->surface());
+  for (render::SurfacePart& part : parts) part.mesh_cells = mesh_;
+  return renderer_->show(parts);
 }
 
 Result<void> Stage::draw(const render::Camera& camera, const Settings& settings, int width, int height,
                          double scale) {
   const int wide = std::max(1, static_cast<int>(std::lround(width * scale)));
   const int high = std::max(1, static_cast<int>(std::lround(height * scale)));
-  if (!renderer_ || samples_ != settings.samples) {
+  if (!renderer_ || samples_ != settings.samples || classic_ != settings.classic) {
     render::RendererOptions options;
     options.context = render::Context::callers;
     options.width = wide;
     options.height = high;
     options.supersample = std::clamp(settings.samples, 1, 4);
+    options.march = settings.classic ? render::March::classic : render::March::pyramid;
     auto made = render::Renderer::create(*session_->surface().surface, options);
     if (!made) return tl::unexpected(made.error());
     renderer_ = std::move(*made);
     samples_ = settings.samples;
+    classic_ = settings.classic;
+    wants_shaders_ = !shaders_.empty();
     picture_width_ = wide;
     picture_height_ = high;
     if (auto shown = show(); !shown) return shown;
@@ -169,6 +185,10 @@ Result<void> Stage::draw(const render::Camera& camera, const Settings& settings,
     if (auto resized = renderer_->resize(wide, high); !resized) return resized;
     picture_width_ = wide;
     picture_height_ = high;
+  }
+  if (const int wanted = std::clamp(settings.mesh, 0, 1024); wanted != mesh_) {
+    mesh_ = wanted;
+    if (auto shown = show(); !shown) return shown;
   }
   const session::LiveState& state = session_->state();
   const session::Scene& scene = session_->scene();

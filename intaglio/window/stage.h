@@ -33,6 +33,8 @@ class Stage {
   session::LiveSession* session() { return session_.get(); }
   const session::Scene& scene() const { return base_; }  // as its file says
   void set_scene_file(const std::filesystem::path& file) { scene_file_ = file; }
+  // Draws with the shaders of this folder, and reads them again when they change.
+  void set_shaders(const std::filesystem::path& folder);
   bool is_loading() { return loader_.is_busy(); }
 
   // Draws into the window's framebuffer.
@@ -56,11 +58,14 @@ class Stage {
   session::Scene base_, asked_base_;  // what is on, and what was asked for
   std::optional<Settings> asked_;     // with which settings
   std::filesystem::path scene_file_;
-  FileWatch watch_;
+  FileWatch watch_, shader_watch_;
+  std::filesystem::path shaders_;
+  bool wants_shaders_ = false;  // of the folder: not read yet by this renderer
   std::unique_ptr<session::LiveSession> session_;
   std::unique_ptr<session::ScenePicture> picture_;
   std::unique_ptr<render::Renderer> renderer_;
-  int picture_width_ = 0, picture_height_ = 0, samples_ = 0;
+  int picture_width_ = 0, picture_height_ = 0, samples_ = 0, mesh_ = 0;
+  bool classic_ = false;
 };
 
 // The scene with what the panels changed.
