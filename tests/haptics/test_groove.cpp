@@ -45,7 +45,6 @@ Buzz press(const std::shared_ptr<const surface::Surface>& s, double depth, Hapti
   SimulatedDevice device({2.3e-5, {0.16, 0.12, 0.12}, 7.9, rate}, hand,
                          {{0, {0.0015, 0.003, 0}}, {1, {0.0002, press, 0}}, {4, {0.0002, press, 0}}});
   PenServo servo(s, options);
-  Buzz buzz;
   double sum = 0, mean = 0, peak = 0;
   int n = 0;
   const int substeps = static_cast<int>(16000 / rate);
