@@ -40,6 +40,7 @@ void TallBasis::each_chunk(Index first, Visit visit) const {
 
 MatrixXd TallBasis::transposed_times(const MatrixXd& x, Index first) const {
   MatrixXd result(size_ - first, x.cols());
+  if (x.cols() == 0) return result;
   const auto n = static_cast<int>(rows_), width = static_cast<int>(x.cols()),
              height = static_cast<int>(result.rows());
   const double one = 1, zero = 0;
@@ -52,6 +53,7 @@ MatrixXd TallBasis::transposed_times(const MatrixXd& x, Index first) const {
 
 void TallBasis::subtract(const MatrixXd& h, MatrixXd& x, Index first) const {
   assert(h.rows() == size_ - first && h.cols() == x.cols());
+  if (x.cols() == 0) return;
   const auto n = static_cast<int>(rows_), width = static_cast<int>(x.cols()),
              height = static_cast<int>(h.rows());
   const double minus_one = -1, one = 1;
