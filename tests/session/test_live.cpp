@@ -92,7 +92,8 @@ TEST_CASE("the mouse's pen comes down, touches, pushes back, and lets go") {
   session->start(nullptr, nullptr);
   session->lead_pen({0.1, -0.02, 0.1});
   CHECK(wait_for(*session, [](const LiveState& s) { return s.pen.touching && s.pen.force.y() > 0.05; }));
-  CHECK(session->state().pen.proxy.y() > -0.005);
+  CHECK(session->state().pen.proxy.y() >
+        -0.01);  // it does not follow the tip to -0.02, even where ticks come late
   session->lead_pen({0.1, 0.1, 0.1});
   CHECK(wait_for(*session, [](const LiveState& s) { return !s.pen.touching && s.pen.tip.y() > 0.05; }));
 }

@@ -31,7 +31,8 @@ class Grain : public DetailField {
         bend_(layer.frequency_u, layer.frequency_v, layer.octaves, layer.gain, seed) {
     Random random(seed + 50);
     for (int k = 0; k < layer.knots; ++k) {
-      const Vec2 middle(random.uniform(), random.uniform());
+      const double v = random.uniform(), u = random.uniform();  // in one order on every compiler
+      const Vec2 middle(u, v);
       knots_.push_back({middle, layer.knot * random.uniform(0.45, 1), layout.at(middle.x(), middle.y())});
     }
   }

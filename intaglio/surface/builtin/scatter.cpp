@@ -70,7 +70,8 @@ class Scatter : public Cells {
       stone.dome = 0.90 * stone.half.y() / recipe.radius.y();
       stone.top = std::min(1.0, stone.dome + random.uniform(0.02, 0.16));
       for (int t = 0; t < tries; ++t) {
-        stone.middle = Vec2(random.uniform(), random.uniform());
+        const double v = random.uniform(), u = random.uniform();  // in one order on every compiler
+        stone.middle = Vec2(u, v);
         if (!has_room(stone)) continue;
         stones_.push_back(stone);
         break;

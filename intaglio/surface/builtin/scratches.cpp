@@ -23,7 +23,8 @@ class Scratches : public DetailField {
     for (int k = 0; k < layer.count; ++k) {
       const double degrees = layer.direction + layer.spread * (random.uniform() - 0.5);
       const double angle = degrees * std::numbers::pi / 180;
-      const Vec2 middle(random.uniform(), random.uniform());
+      const double v = random.uniform(), u = random.uniform();  // in one order on every compiler
+      const Vec2 middle(u, v);
       const double length = layer.length * random.uniform(0.25, 1);
       scratches_.push_back({middle, Vec2(std::cos(angle), std::sin(angle)), 0.5 * length, 0.5 * layer.width,
                             random.uniform(0.3, 1)});
