@@ -73,12 +73,12 @@ TEST_CASE("a sheet with thickness is the plate") {
 TEST_CASE("a bowl with thickness rings though nothing closes it") {
   auto bowl = test::icosphere(0.1, 3);
   std::erase_if(bowl.triangles, [&](const auto& t) { return bowl.positions[std::size_t(t[0])].y() > 0; });
-  const auto body = body_surface(bowl, "bowl.obj", 0.012);
+  const auto body = body_surface(bowl, "bowl.obj", 0.024);
   REQUIRE(body);
-  const auto coarse = fill_surface(*body, {0.02, 40'000}, "bowl.obj");
+  const auto coarse = fill_surface(*body, {0.04, 40'000}, "bowl.obj");
   REQUIRE_FALSE(coarse);
-  CHECK(coarse.error().message().find("--element-size 0.006") != std::string::npos);
-  const auto filled = fill_surface(*body, {0.006, 40'000}, "bowl.obj");
+  CHECK(coarse.error().message().find("--element-size 0.012") != std::string::npos);
+  const auto filled = fill_surface(*body, {0.012, 40'000}, "bowl.obj");
   if (!filled) MESSAGE(filled.error().message());
   REQUIRE(filled);
   CHECK(volume(filled->mesh) == doctest::Approx(body->volume).epsilon(0.05));
