@@ -181,6 +181,7 @@ Renderer::DeviceBytes Renderer::device_bytes() const {
 }
 
 Result<void> Renderer::show(std::span<const SurfacePart> shown) {
+  if (shown.empty()) return fail("renderer", "was given no surface to show", "give at least one");
   const auto scope = current(gpu_->context);
   std::vector<Part> parts;
   for (const SurfacePart& part : shown) {

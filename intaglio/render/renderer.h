@@ -55,8 +55,7 @@ struct RendererOptions {
   March march = March::pyramid;
   int linear_steps = 32;  // classic: linear steps
   int binary_steps = 6;   // classic: halvings after them
-  int shadow_steps =
-      32;  // classic: the most steps of the self-shadow, one a texel where that suffices; 0: none
+  int shadow_steps = 32;  // the most steps of the self-shadow, one a texel where that suffices; 0: none
   double slab_thickness =
       0.03;                 // metres below the base plane; raised to 1.25 times the relief's depth where less
   double roughness = 0.55;  // of the surface, 0..1 (GGX: the square is the slope's spread)

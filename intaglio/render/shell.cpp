@@ -60,6 +60,7 @@ Result<std::vector<Tetrahedron>> make_shell(const surface::TriangleMesh& base, d
     add(out, {bottom[0], bottom[1], top[1], top[2]}, least);
     add(out, {bottom[0], top[0], top[1], top[2]}, least);
   }
+  if (out.empty()) return fail(name, "has no triangle with an area for relief to lie on");
   return out;
 }
 

@@ -53,6 +53,7 @@ TEST_CASE("a triangle over the edge of a repeated texture is refused, with its n
   CHECK(shell.error().message().find("triangle 0") != std::string::npos);
   for (Vec2& uv : base.uvs) uv = uv / 1.5 + Vec2(3, -2);
   CHECK(make_shell(base, 0.1, {1, 1}));
+  CHECK_FALSE(make_shell({}, 0.1, {1, 1}));
 }
 
 TEST_CASE("on a flat base relief is where the slab has it, and looks alike") {
