@@ -25,7 +25,7 @@ std::optional<Feature> closest_point(const Surface& surface, const Vec3& p) {
   if (!p.allFinite()) return std::nullopt;
   if (surface.is_flat()) return closest_on_plane(surface, p);
   const double sign = side_of(surface, p);
-  return ClosestSearch(surface, p, sign, std::numeric_limits<double>::infinity(), Cones({}, sign, 0)).run();
+  return ClosestSearch(surface, p, sign, std::numeric_limits<double>::infinity(), 0, false).next({});
 }
 
 std::size_t closest_features(const Surface& surface, const Vec3& p, double reach, double min_angle,
@@ -36,9 +36,9 @@ std::size_t closest_features(const Surface& surface, const Vec3& p, double reach
     return std::abs(p.z()) < reach ? 1 : 0;
   }
   const double sign = side_of(surface, p);
+  ClosestSearch search(surface, p, sign, reach, min_angle, out.size() > 1);
   for (std::size_t count = 0; count < out.size(); ++count) {
-    const Cones cones(out.first(count), sign, min_angle);
-    const auto feature = ClosestSearch(surface, p, sign, reach, cones).run();
+    const auto feature = search.next(out.first(count));
     if (!feature) return count;
     out[count] = *feature;
   }

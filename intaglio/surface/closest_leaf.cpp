@@ -14,26 +14,132 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
-// The same for one cell of the block that is loaded, and the cells around it: bounds of half the squared
-// distance's slope.
-bool ClosestSearch::has_no_minimum(int column, int row, double left, double low) const {
+// Where the cells of block (x, y) are, and their texels.
+void ClosestSearch::load(int x, int y, Leaf& out) const {
+  out.i = pyramid_.first() + x * leaf;
+  out.j = pyramid_.first() + y * leaf;
+  out.columns = std::min(leaf, pyramid_.columns() - x * leaf);
+  out.rows = std::min(leaf, pyramid_.rows() - y * leaf);
+  // Under clamp the outermost cells are not where they are stored.
+  out.inner =
+      surface_.edge() == Edge::wrap || (out.i >= 1 && out.j >= 1 && out.i + leaf + 1 < surface_.width() &&
+                                        out.j + leaf + 1 < surface_.height());
+  const TexelTiles& tiles = surface_.tiles();
+  std::array<std::size_t, leaf + 1> column;
+  for (int c = 0; c <= leaf; ++c) column[std::size_t(c)] = tiles.column(out.i + c);
+  for (int r = 0; r <= leaf; ++r) {
+    const std::size_t row = tiles.row(out.j + r);
+    for (std::size_t c = 0; c <= leaf; ++c) out.depth[std::size_t(r)][c] = tiles.depth(row + column[c]);
+  }
+  // To the bit as in Surface::cell, so that the same cell is as far whoever asks.
+  const int i = copy_x_ * surface_.width() + out.i, j = copy_y_ * surface_.height() + out.j;
+  for (int c = 0; c < leaf; ++c) {
+    out.left[std::size_t(c)] = start_of((i + c + 0.5) * w_ - asking_.x(), w_, out.i + c, surface_.width());
+    out.low[std::size_t(c)] = start_of((j + c + 0.5) * h_ - asking_.y(), h_, out.j + c, surface_.height());
+  }
+}
+
+// Bounds of the cells' distances; the answer has a bit for each that may hold something wanted.
+template <class T>
+unsigned ClosestSearch::look_at(Leaf& block) const {
+  using Row = Eigen::Array<float, 4, 1>;
+  const T depth = static_cast<T>(surface_.max_depth()), z = static_cast<T>(asking_.z()),
+          w = static_cast<T>(w_), h = static_cast<T>(h_);
+  const T limit = static_cast<T>(wanted()) * (1 + loss<T>);
+  const Four<T> left = Eigen::Map<const Four<double>>(block.left.data()).template cast<T>();
+  unsigned open = 0;
+  for (int r = 0; r < block.rows; ++r) {
+    const float *one = block.depth[std::size_t(r)].data(), *other = block.depth[std::size_t(r + 1)].data();
+    const Four<T> z0 = -depth * Eigen::Map<const Row>(one).template cast<T>() - z,
+                  z1 = -depth * Eigen::Map<const Row>(one + 1).template cast<T>() - z,
+                  z2 = -depth * Eigen::Map<const Row>(other).template cast<T>() - z,
+                  z3 = -depth * Eigen::Map<const Row>(other + 1).template cast<T>() - z;
+    const T low = static_cast<T>(block.low[std::size_t(r)]);
+    const Boxes<T> boxes{left,
+                         left + w,
+                         Four<T>::Constant(low),
+                         Four<T>::Constant(low + h),
+                         z0.min(z1).min(z2.min(z3)) - height_loss<T>(),
+                         z0.max(z1).max(z2.max(z3)) + height_loss<T>()};
+    const TiltedPieces<T> planes{left + T(0.5) * w,
+                                 Four<T>::Constant(low + T(0.5) * h),
+                                 T(0.25) * ((z0 + z1) + (z2 + z3)),
+                                 (T(0.5) / w) * ((z1 - z0) + (z3 - z2)),
+                                 (T(0.5) / h) * ((z2 - z0) + (z3 - z1)),
+                                 T(0.25) * ((z3 - z2) - (z1 - z0)).abs() + height_loss<T>(),
+                                 w,
+                                 h};
+    const Four<T> bound2 = boxes.least_distance2().max(planes.least_distance2());
+    unsigned row = less<T>(bound2, Four<T>::Constant(limit * limit));
+    if (!cones_.empty() && row != 0) {
+      const Reached<T> reached(boxes, limit);
+      for (std::size_t k = 0; k < cones_.size(); ++k)
+        row &= ~reached.planes_in_cone(planes, cones_.axis(k), cones_.cosine());
+    }
+    for (std::size_t c = 0; c < leaf; ++c)
+      block.bound2[std::size_t(r) * leaf + c] = double(bound2[Eigen::Index(c)]);
+    open |= (row & ((1u << block.columns) - 1)) << (r * leaf);
+  }
+  return open;
+}
+
+SeenPatch ClosestSearch::patch_of(const Leaf& block, std::size_t k) const {
+  const std::size_t c = k % leaf, r = k / leaf;
+  const auto z = [&](std::size_t row, std::size_t column) {
+    return -surface_.max_depth() * double(block.depth[row][column]) - asking_.z();
+  };
+  return {block.left[c], block.low[r], w_, h_, z(r, c), z(r, c + 1), z(r + 1, c), z(r + 1, c + 1)};
+}
+
+// Looks at the cells of a block, nearest first. Whether any may still hold a later feature.
+bool ClosestSearch::visit_leaf(int x, int y) {
+  Leaf block;
+  load(x, y, block);
+  unsigned open = is_far_ ? look_at<double>(block) : look_at<float>(block), later = open;
+  while (open != 0) {
+    unsigned k = unsigned(std::countr_zero(open));
+    for (unsigned rest = open & (open - 1); rest != 0; rest &= rest - 1) {
+      const unsigned other = unsigned(std::countr_zero(rest));
+      if (block.bound2[other] < block.bound2[k]) k = other;
+    }
+    if (block.bound2[k] >= best2_) break;
+    open &= ~(1u << k);
+    const int i = index_of(block.i + int(k % leaf), surface_.width(), under_i_) + copy_x_ * surface_.width(),
+              j = index_of(block.j + int(k / leaf), surface_.height(), under_j_) +
+                  copy_y_ * surface_.height();
+    if (best_ && best_->i == i && best_->j == j) continue;
+    if ((!cones_.empty() && block.inner && has_no_minimum(block, k)) ||
+        consider(patch_of(block, k), i, j) == Verdict::useless)
+      later &= ~(1u << k);
+  }
+  return later != 0;
+}
+
+// Whether the slope of half the squared distance cannot be zero in a cell, nor in the cells around it.
+bool ClosestSearch::has_no_minimum(const Leaf& block, std::size_t k) const {
+  const int column = int(k % leaf), row = int(k / leaf);
+  const TexelTiles& tiles = surface_.tiles();
+  std::array<std::size_t, 4> at;
+  for (int c = 0; c < 4; ++c) at[std::size_t(c)] = tiles.column(block.i + column + c - 1);
   double z_low = infinity, z_high = -infinity, x_low = infinity, x_high = -infinity, y_low = infinity,
          y_high = -infinity;
-  for (int r = row; r < row + 4; ++r) {
-    for (int c = column; c < column + 4; ++c) {
-      const double z = z_[std::size_t(r)][std::size_t(c)];
+  std::array<double, 4> below{};
+  for (int r = 0; r < 4; ++r) {
+    const std::size_t from = tiles.row(block.j + row + r - 1);
+    double before = 0;
+    for (std::size_t c = 0; c < 4; ++c) {
+      const double z = -surface_.max_depth() * double(tiles.depth(from + at[c])) - asking_.z();
       z_low = std::min(z_low, z);
       z_high = std::max(z_high, z);
-      if (c > column) {
-        const double rise = z - z_[std::size_t(r)][std::size_t(c - 1)];
-        x_low = std::min(x_low, rise);
-        x_high = std::max(x_high, rise);
+      if (c > 0) {
+        x_low = std::min(x_low, z - before);
+        x_high = std::max(x_high, z - before);
       }
-      if (r > row) {
-        const double rise = z - z_[std::size_t(r - 1)][std::size_t(c)];
-        y_low = std::min(y_low, rise);
-        y_high = std::max(y_high, rise);
+      if (r > 0) {
+        y_low = std::min(y_low, z - below[c]);
+        y_high = std::max(y_high, z - below[c]);
       }
+      before = below[c] = z;
     }
   }
   const auto falls = [&](double start, double size, double rise_low, double rise_high) {
@@ -43,89 +149,24 @@ bool ClosestSearch::has_no_minimum(int column, int row, double left, double low)
                                  std::max(z_high * rise_low, z_high * rise_high));
     return (start - size) * size + least > 0 || (start + 2 * size) * size + most < 0;
   };
-  return falls(left, w_, x_low, x_high) || falls(low, h_, y_low, y_high);
+  return falls(block.left[std::size_t(column)], w_, x_low, x_high) ||
+         falls(block.low[std::size_t(row)], h_, y_low, y_high);
 }
 
-// Fills z_ with the texels of the block whose first cell is (i, j); with those around it where they are asked
-// for.
-void ClosestSearch::load(int i, int j) {
-  const TexelTiles& tiles = surface_.tiles();
-  const double scale = -surface_.max_depth();
-  const int first = cones_.empty() ? 1 : 0, end = cones_.empty() ? leaf + 2 : leaf + 3;
-  std::array<std::size_t, leaf + 3> column;
-  for (int c = first; c < end; ++c) column[std::size_t(c)] = tiles.column(i + c - 1);
-  for (int r = first; r < end; ++r) {
-    const std::size_t row = tiles.row(j + r - 1);
-    double* z = z_[std::size_t(r)].data();
-    for (int c = first; c < end; ++c) z[c] = scale * tiles.depth(row + column[std::size_t(c)]) - asking_.z();
-  }
-}
-
-void ClosestSearch::visit_leaf(int x, int y) {
-  const int i = pyramid_.first() + x * leaf, j = pyramid_.first() + y * leaf;
-  const int columns = std::min(leaf, pyramid_.columns() - x * leaf),
-            rows = std::min(leaf, pyramid_.rows() - y * leaf);
-  load(i, j);
-  // Under clamp the outermost cells are not where they are stored.
-  const bool inner = surface_.edge() == Edge::wrap || (i >= 1 && j >= 1 && i + leaf + 1 < surface_.width() &&
-                                                       j + leaf + 1 < surface_.height());
-  std::array<double, leaf> left, low, dx2;
-  for (int c = 0; c < leaf; ++c) {
-    left[std::size_t(c)] = start((shift_i_ + i + c + 0.5) * w_ - asking_.x(), w_, i + c, surface_.width());
-    const double dx = away(left[std::size_t(c)], left[std::size_t(c)] + w_);
-    dx2[std::size_t(c)] = c < columns ? dx * dx : infinity;
-  }
-  using Row = Eigen::Array<double, leaf, 1>;
-  std::array<double, leaf * leaf> bound2;
-  const Eigen::Map<const Row> across2(dx2.data());
-  for (int r = 0; r < rows; ++r) {
-    low[std::size_t(r)] = start((shift_j_ + j + r + 0.5) * h_ - asking_.y(), h_, j + r, surface_.height());
-    const double dy = away(low[std::size_t(r)], low[std::size_t(r)] + h_);
-    const double* z0 = z_[std::size_t(r + 1)].data() + 1;
-    const double* z1 = z_[std::size_t(r + 2)].data() + 1;
-    const Eigen::Map<const Row> a(z0), b(z0 + 1), c(z1), d(z1 + 1);
-    const Row dz = a.min(b).min(c.min(d)).max(-a.max(b).max(c.max(d))).max(0.0);
-    Eigen::Map<Row> sum(&bound2[std::size_t(r) * leaf]);
-    sum = across2 + dy * dy + dz * dz;
-  }
-  // The cell nearest to p in plan first: it often rules out the others.
-  const auto under = [](double from, double size, int cells) {
-    return std::size_t(std::clamp(-from / size, 0.0, cells - 1.0));
-  };
-  unsigned wanted = 0;
-  for (std::size_t k = 0; k < std::size_t(rows) * leaf; ++k) wanted |= unsigned(bound2[k] < best2_) << k;
-  for (std::size_t k = under(low[0], h_, rows) * leaf + under(left[0], w_, columns); wanted != 0;
-       k = std::size_t(std::countr_zero(wanted))) {
-    const bool near = (wanted >> k & 1u) != 0 && bound2[k] < best2_;
-    wanted &= ~(1u << k);
-    if (!near) continue;
-    const std::size_t c = k % leaf, r = k / leaf;
-    const SeenPatch patch(left[c], low[r], w_, h_, z_[r + 1][c + 1], z_[r + 1][c + 2], z_[r + 2][c + 1],
-                          z_[r + 2][c + 2]);
-    const int cell_i = shift_i_ + index_of(i + int(c), surface_.width(), under_i_);
-    const int cell_j = shift_j_ + index_of(j + int(r), surface_.height(), under_j_);
-    if ((best_ && best_->i == cell_i && best_->j == cell_j) || patch.beyond(best_distance_)) continue;
-    if (!cones_.empty() && (near_in_cone(patch.at(0.5, 0.5), w_, h_, patch.z_s(0.5), patch.z_t(0.5),
-                                         0.25 * std::abs(patch.twist)) ||
-                            (inner && has_no_minimum(int(c), int(r), left[c], low[r]))))
-      continue;
-    consider(patch, cell_i, cell_j);
-  }
-}
-
-void ClosestSearch::consider(const SeenPatch& patch, int i, int j) {
+ClosestSearch::Verdict ClosestSearch::consider(const SeenPatch& patch, int i, int j) {
   const NearestOnPatch at = nearest(patch);
-  if (!(at.distance2 < best2_)) return;
+  if (!(at.distance2 < best2_)) return Verdict::farther;
   const Best candidate{patch, at, i, j};
   // The nearest of all is a minimum and turns its outer side; others must show it.
   if (!cones_.empty()) {
     const Vec3 direction = direction_of(candidate);
     if (cones_.hold(direction) || direction.dot(normal_of(candidate)) <= 0 || !is_local_minimum(candidate))
-      return;
+      return Verdict::useless;
   }
   best2_ = at.distance2;
   best_distance_ = std::sqrt(best2_);
   best_ = candidate;
+  return Verdict::best;
 }
 
 Vec3 ClosestSearch::normal_of(const Best& b) const {

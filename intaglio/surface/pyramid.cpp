@@ -124,7 +124,7 @@ Pyramid::Pyramid(std::span<const float> depth, const Grid& grid) {
     quads += static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     if (level_1_ == 0) level_1_ = quads;
   } while (width > 1 || height > 1);
-  slabs_.resize(4 * quads);
+  slabs_.resize(quads);
   Quad empty;
   empty.shallow.fill(nothing);
   empty.deep.fill(-nothing);
@@ -146,7 +146,7 @@ void Pyramid::build_leaves(std::span<const float> depth, const Grid& grid) {
       const auto sx = static_cast<float>(rounded(texels.slope_x())),
                  sy = static_cast<float>(rounded(texels.slope_y()));
       const Bounds rest = texels.beside(sx, sy);
-      slabs_[block(0, x, y)] = pack({sx, sy, texels.spread_x(sx), texels.spread_y(sy), rest.low, rest.high});
+      pack({sx, sy, texels.spread_x(sx), texels.spread_y(sy), rest.low, rest.high}, block(0, x, y));
       if (levels() == 1) continue;
       const Bounds depths = texels.depths();
       const std::size_t up = block(1, x / 2, y / 2);
@@ -160,7 +160,7 @@ void Pyramid::build_leaves(std::span<const float> depth, const Grid& grid) {
 void Pyramid::build_level(int level) {
   for (int y = 0; exists(level, 0, y); ++y) {
     for (int x = 0; exists(level, x, y); ++x) {
-      slabs_[block(level, x, y)] = pack(joined(level, x, y));
+      pack(joined(level, x, y), block(level, x, y));
       if (level + 1 == levels()) continue;
       const Range range = this->range(level, x, y);
       const std::size_t up = block(level + 1, x / 2, y / 2);
@@ -213,7 +213,7 @@ double Pyramid::rounded(double slope) {
 
 // One step more than rounding outward asks for, which covers the arithmetic in float. Limits lose nothing:
 // depths are in 0..1 and no slope is more than a spread of 255 steps away.
-Pyramid::PackedSlab Pyramid::pack(const Slab& slab) const {
+void Pyramid::pack(const Slab& slab, std::size_t block) {
   const auto step = [](double value) {
     return static_cast<std::int16_t>(std::clamp(value, -32767.0, 32767.0));
   };
@@ -221,12 +221,14 @@ Pyramid::PackedSlab Pyramid::pack(const Slab& slab) const {
     return static_cast<std::uint8_t>(
         spread_unit_ > 0 ? std::min(255.0, std::ceil(value / spread_unit_ + 1e-3)) : 0.0);
   };
-  return {step(slab.slope_x / slope_unit),
-          step(slab.slope_y / slope_unit),
-          step(std::floor(slab.low / depth_unit) - 1),
-          step(std::ceil(slab.high / depth_unit) + 1),
-          spread(slab.spread_x),
-          spread(slab.spread_y)};
+  Slabs4& slabs = slabs_[block / 4];
+  const std::size_t k = block % 4;
+  slabs.slope_x[k] = step(slab.slope_x / slope_unit);
+  slabs.slope_y[k] = step(slab.slope_y / slope_unit);
+  slabs.low[k] = step(std::floor(slab.low / depth_unit) - 1);
+  slabs.high[k] = step(std::ceil(slab.high / depth_unit) + 1);
+  slabs.spread_x[k] = spread(slab.spread_x);
+  slabs.spread_y[k] = spread(slab.spread_y);
 }
 
 }  // namespace intaglio::surface

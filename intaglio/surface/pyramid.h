@@ -62,7 +62,21 @@ class Pyramid {
     const Quad& quad = quads_[at / 4 - level_1_];
     return {quad.shallow[at % 4], quad.deep[at % 4]};
   }
-  Slab slab(int level, int x, int y) const { return unpack(slabs_[block(level, x, y)]); }
+  Slab slab(int level, int x, int y) const {
+    const std::size_t at = block(level, x, y), k = at % 4;
+    const Slabs4& s = slabs_[at / 4];
+    return {s.slope_x[k] * slope_unit,    s.slope_y[k] * slope_unit, s.spread_x[k] * spread_unit_,
+            s.spread_y[k] * spread_unit_, s.low[k] * depth_unit,     s.high[k] * depth_unit};
+  }
+  // The slabs of the four blocks of `level` in quad (x, y), in units: slopes in slope_unit, low and high in
+  // depth_unit, spreads in spread_unit().
+  struct Slabs4 {
+    std::array<std::int16_t, 4> slope_x, slope_y, low, high;
+    std::array<std::uint8_t, 4> spread_x, spread_y;
+  };
+  static constexpr double slope_unit = 0x1.0p-15, depth_unit = 0x1.0p-14;
+  double spread_unit() const { return spread_unit_; }
+  const Slabs4& slabs(int level, int x, int y) const { return slabs_[block(level, 2 * x, 2 * y) / 4]; }
   // Bounds of the four blocks of `level` in quad (x, y), block k at (2x + (k & 1), 2y + (k >> 1)): their
   // ranges, or at level 0 the boxes of their slabs. Missing ones have shallow > deep, both infinite.
   struct Bounds4 {
@@ -77,11 +91,11 @@ class Pyramid {
       for (std::size_t k = 0; k < 4; ++k) out.deep[k] = quad.deep[k];
       return out;
     }
+    const Slabs4& slabs = slabs_[at / 4];
     for (std::size_t k = 0; k < 4; ++k) {
-      const PackedSlab& slab = slabs_[at + k];
-      const double tilt = 0.5 * leaf * slope_unit * (std::abs(slab.slope_x) + std::abs(slab.slope_y));
-      out.shallow[k] = slab.low * depth_unit - tilt;
-      out.deep[k] = slab.high * depth_unit + tilt;
+      const double tilt = 0.5 * leaf * slope_unit * (std::abs(slabs.slope_x[k]) + std::abs(slabs.slope_y[k]));
+      out.shallow[k] = slabs.low[k] * depth_unit - tilt;
+      out.deep[k] = slabs.high[k] * depth_unit + tilt;
     }
     for (int k = 0; k < 4; ++k) {
       if (exists(0, 2 * x + (k & 1), 2 * y + (k >> 1))) continue;
@@ -96,13 +110,13 @@ class Pyramid {
     if (level > 0)
       __builtin_prefetch(&quads_[at / 4 - level_1_]);
     else
-      __builtin_prefetch(&slabs_[at]);
+      __builtin_prefetch(&slabs_[at / 4]);
   }
   Range whole() const { return whole_; }
   // Cells a side of a block of `level`.
   static int side(int level) { return leaf << level; }
   std::size_t memory_bytes() const {
-    return quads_.capacity() * sizeof(Quad) + slabs_.capacity() * sizeof(PackedSlab) +
+    return quads_.capacity() * sizeof(Quad) + slabs_.capacity() * sizeof(Slabs4) +
            levels_.capacity() * sizeof(Level);
   }
 
@@ -114,22 +128,12 @@ class Pyramid {
   struct alignas(32) Quad {
     std::array<float, 4> shallow, deep;
   };
-  // Outward roundings of a Slab: slopes in slope_unit, low and high in depth_unit, spreads in spread_unit_.
-  static constexpr double slope_unit = 0x1.0p-15, depth_unit = 0x1.0p-14;
-  struct PackedSlab {
-    std::int16_t slope_x, slope_y, low, high;
-    std::uint8_t spread_x, spread_y;
-  };
-
   void build_leaves(std::span<const float> depth, const Grid& grid);
   void build_level(int level);
   Slab joined(int level, int x, int y) const;
   static double rounded(double slope);
-  PackedSlab pack(const Slab& slab) const;
-  Slab unpack(const PackedSlab& slab) const {
-    return {slab.slope_x * slope_unit,    slab.slope_y * slope_unit, slab.spread_x * spread_unit_,
-            slab.spread_y * spread_unit_, slab.low * depth_unit,     slab.high * depth_unit};
-  }
+  // Outward roundings.
+  void pack(const Slab& slab, std::size_t block);
   // Block k of a quad is at (2x + (k & 1), 2y + (k >> 1)).
   std::size_t block(int level, int x, int y) const {
     const Level& l = levels_[static_cast<std::size_t>(level)];
@@ -144,7 +148,7 @@ class Pyramid {
   std::size_t level_1_ = 0;  // quads of level 0, which have no ranges
   std::vector<Level> levels_;
   LargeArray<Quad> quads_;
-  LargeArray<PackedSlab> slabs_;
+  LargeArray<Slabs4> slabs_;
 };
 
 }  // namespace intaglio::surface

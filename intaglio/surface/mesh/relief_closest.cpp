@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "intaglio/surface/closest_search.h"
+#include "intaglio/surface/cones.h"
 #include "intaglio/surface/mesh/relief_minimum.h"
 #include "intaglio/surface/mesh/relief_rim.h"
 
