@@ -7,7 +7,7 @@
 // field of the same texels; TexturedShape in all its ways. Bodies are thrown anew every half second. `us` is
 // the time of a whole step, solver and all, divided by the bodies: median and 99th percentile over steps;
 // `in` is how deep bodies were in the true relief (p95 over bodies and steps, spheres only), mm, of the
-// floors that are relief. Textures above 1024 texels a side are upsampled (bench/brick.h).
+// floors that are relief or imply one. Textures above 1024 texels a side are upsampled (bench/brick.h).
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
 #include <btBulletDynamicsCommon.h>
 #include <fmt/format.h>
@@ -114,13 +114,18 @@ Floor textured(const std::string& name, const SharedSurface& s, const ContactOpt
   auto shape = std::make_unique<TexturedShape>(s, options);
   out.build_ms = 1e3 * (cpu_seconds() - start);
   out.bytes = static_cast<double>(s->memory_bytes());
-  if (&shape->relief() != s.get()) out.bytes += static_cast<double>(shape->relief().memory_bytes());
   if (out.is_relief) {
     // From texels to a surface that can be asked.
     const std::vector<float> depths = s->depth_texture();
     const double begin = cpu_seconds();
     const surface::Pyramid pyramid(depths, s->grid());
     out.build_ms += 1e3 * (cpu_seconds() - begin);
+  }
+  if (&shape->relief() != s.get()) {
+    out.bytes += static_cast<double>(shape->relief().memory_bytes());
+    // Bodies move on the relief that the normals imply: they are thrown over that, and measured in it.
+    out.surface = SharedSurface(SharedSurface{}, &shape->relief());
+    out.is_relief = true;
   }
   out.shape = std::move(shape);
   return out;

@@ -63,6 +63,11 @@ Pose Approach::predicted(const contact::ContactSet& contacts) const {
 
 namespace {
 
+// By what angle two poses differ, radians.
+double turned(const Pose& a, const Pose& b) {
+  return a.orientation.angularDistance(b.orientation);
+}
+
 // What the body would be in by more than `slack`. Of a ball, a smaller one is asked: mostly it touches
 // nothing, and that is found out sooner than what a whole one touches.
 contact::ContactSet deep_contacts(const TouchableShape& shape, const contact::Shape& body, const Pose& pose,
@@ -79,10 +84,9 @@ contact::ContactSet deep_contacts(const TouchableShape& shape, const contact::Sh
   return out;
 }
 
-// Adds what the body would be in at the end of the step; whether there was any.
-bool add_met(const TouchableShape& shape, const contact::Shape& body, const Approach& approach, double slack,
-             contact::ContactSet& contacts) {
-  const Pose later = approach.predicted(contacts);
+// Adds what the body would be in when it is at `later`; whether there was any.
+bool add_met(const TouchableShape& shape, const contact::Shape& body, const Approach& approach,
+             const Pose& later, double slack, contact::ContactSet& contacts) {
   const std::size_t before = contacts.count;
   for (contact::ContactPoint c : deep_contacts(shape, body, later, slack)) {
     if (contacts.count == contact::ContactSet::capacity) break;
@@ -109,8 +113,14 @@ contact::ContactSet contacts_ahead(const TouchableShape& shape, const contact::S
   const double margin = travel < 0.5 * approach.reach ? std::min(travel + slack, 0.3 * texel) : travel;
   contact::ContactSet now = shape.contacts(body, approach.pose, std::min(margin, shape.look_ahead()));
   if (travel < 0.25 * texel || now.count == contact::ContactSet::capacity) return now;
-  // What is added may turn the body into something else: look again, a few times.
-  for (int round = 0; round < 3 && add_met(shape, body, approach, slack, now); ++round) continue;
+  // What is added may turn the body into something else: look again, a few times. Of a body that is in the
+  // surface already and cannot leave it within the step, it does not.
+  Pose later = approach.predicted(now);
+  for (int round = 0; round < 3 && add_met(shape, body, approach, later, slack, now); ++round) {
+    const Pose next = approach.predicted(now);
+    if ((next.position - later.position).norm() + approach.lever * turned(later, next) < 0.1 * slack) break;
+    later = next;
+  }
   return now;
 }
 

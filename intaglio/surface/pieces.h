@@ -51,12 +51,20 @@ struct TiltedPieces {
     const Four<T> thick = thickness();
     return {x - T(0.5) * w, x + T(0.5) * w, y - T(0.5) * h, y + T(0.5) * h, z - thick, z + thick};
   }
-  // Half the squared distance to the plane is convex, hence above its tangent at the middle: a bound sharp to
-  // second order in the size, where that of the box is so to first order only.
+  // The squared distance to the plane's piece is convex, hence above its tangent wherever that is taken: here
+  // where a clamped Newton step ends, which mostly is the nearest point, and then the bound is exact.
   Four<T> least_distance2() const {
-    const Four<T> middle = x * x + y * y + z * z;
-    const Four<T> along = w * (x + z * slope_x).abs() + h * (y + z * slope_y).abs();
-    const Four<T> plane2 = middle - along - loss<T> * (middle + along);
+    const T half_w = T(0.5) * w, half_h = T(0.5) * h;
+    const Four<T> e = slope_x.square() + T(1), f = slope_x * slope_y, g = slope_y.square() + T(1);
+    const Four<T> g_x = x + z * slope_x, g_y = y + z * slope_y;
+    const Four<T> at_x = ((f * g_y - g * g_x) / (e + g - T(1))).max(-half_w).min(half_w);
+    const Four<T> at_y = (-(g_y + f * at_x) / g).max(-half_h).min(half_h);
+    const Four<T> h_x = g_x + e * at_x + f * at_y, h_y = g_y + f * at_x + g * at_y;
+    const Four<T> there =
+        (x + at_x).square() + (y + at_y).square() + (z + slope_x * at_x + slope_y * at_y).square();
+    const Four<T> less_x = w * h_x.abs() + T(2) * h_x * at_x, less_y = h * h_y.abs() + T(2) * h_y * at_y;
+    const Four<T> size = there + w * h_x.abs() + h * h_y.abs();
+    const Four<T> plane2 = there - less_x - less_y - loss<T> * size;
     return (plane2.max(T(0)).sqrt() - play).max(T(0)).square();
   }
   // Where the distance falls all along an axis there is no minimum, except on the border. So the cells around

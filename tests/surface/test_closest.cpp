@@ -261,6 +261,22 @@ TEST_CASE("wrap is seamless: the closest point moves along with the point, by wh
   }
 }
 
+TEST_CASE("from near to far above, where bounds go from single to double precision, the nearest is nearest") {
+  double worst = 0;
+  for (const auto& s : tests::various_surfaces()) {
+    Random random(31);
+    for (const double z : {1.0, 3.0, 10.0, 30.0, 100.0, 1000.0}) {
+      for (int k = 0; k < 3; ++k) {
+        const Vec3 p(random.uniform(0, 1) * s->placement().size_u(),
+                     random.uniform(0, 1) * s->placement().size_v(), z * random.uniform(0.7, 1));
+        worst = std::max(worst, std::abs(closest_point(*s, p)->distance - brute_distance(*s, p)));
+      }
+    }
+  }
+  MESSAGE("worst disagreement with brute force: " << worst << " m");
+  CHECK(worst < 1e-9);
+}
+
 TEST_CASE("a point that is not a number, or a million metres away, is answered at once and rightly") {
   std::array<Feature, 4> features;
   for (const auto& s : tests::various_surfaces()) {

@@ -18,7 +18,8 @@ namespace {
 Field random_height(int n, std::uint64_t seed) {
   Field field(n, n);
   for (int y = 0; y < n; ++y) {
-    for (int x = 0; x < n; ++x) field.at(x, y) = static_cast<float>(periodic_fractal((x + 0.5) / n, (y + 0.5) / n, 4, 4, 0.5, seed));
+    for (int x = 0; x < n; ++x)
+      field.at(x, y) = static_cast<float>(periodic_fractal((x + 0.5) / n, (y + 0.5) / n, 4, 4, 0.5, seed));
   }
   const auto [low, high] = std::minmax_element(field.value.begin(), field.value.end());
   const float a = *low, b = *high;
@@ -40,13 +41,14 @@ TEST_CASE("200 flips: green, polarity and rows are found, and the implied depth"
     const double depth = random.uniform(0.01, 0.06);
     Field height = random_height(96, 1000 + static_cast<std::uint64_t>(k));
     Slopes slopes = central_slopes(height, depth);
-    const bool minus = random.uniform() < 0.5, deep = random.uniform() < 0.5, upside_down = random.uniform() < 0.3;
+    const bool minus = random.uniform() < 0.5, deep = random.uniform() < 0.5,
+               upside_down = random.uniform() < 0.3;
     if (minus) negate(slopes.y);
     if (deep) complement(height);
     if (upside_down) flip_rows(height);
     const Detection found = detect(slopes, rounded(height, 255));
-    right += (found.green == Green::minus_y) == minus && (found.polarity == Polarity::depth) == deep && found.rows_differ == upside_down &&
-                     std::abs(found.implied_depth / depth - 1) < 0.1
+    right += (found.green == Green::minus_y) == minus && (found.polarity == Polarity::depth) == deep &&
+                     found.rows_differ == upside_down && std::abs(found.implied_depth / depth - 1) < 0.1
                  ? 1
                  : 0;
   }
@@ -70,13 +72,19 @@ TEST_CASE("the conventions of real textures are found") {
   const struct {
     std::string path;
     Green green;
-  } known[] = {{"brick_medieval_red", Green::plus_y}, {"wood_raw_plank", Green::plus_y}, {"wood_woodfloor007", Green::plus_y}, {"trak4_brick2", Green::minus_y},
-               {"wood_woodfloor007/WoodFloor007_1K_NormalGL.png", Green::plus_y}, {"wood_woodfloor007/WoodFloor007_1K_NormalDX.png", Green::minus_y}};
+  } known[] = {{"brick_medieval_red", Green::plus_y},
+               {"wood_raw_plank", Green::plus_y},
+               {"wood_woodfloor007", Green::plus_y},
+               {"trak4_brick2", Green::minus_y},
+               {"wood_woodfloor007/WoodFloor007_1K_NormalGL.png", Green::plus_y},
+               {"wood_woodfloor007/WoodFloor007_1K_NormalDX.png", Green::minus_y}};
   for (const auto& texture : known) {
     const auto imported = import_texture(shared / texture.path, {});
     REQUIRE_MESSAGE(imported, texture.path);
     const ImportReport& report = imported->report;
-    MESSAGE(texture.path << ": correlation " << report.correlation << " (u " << report.correlation_u << ", v " << report.correlation_v << "), implied depth " << 100 * report.implied_depth << " %, curl " << report.curl << ", lambda " << report.lambda);
+    MESSAGE(texture.path << ": correlation " << report.correlation << " (u " << report.correlation_u << ", v "
+                         << report.correlation_v << "), implied depth " << 100 * report.implied_depth
+                         << " %, curl " << report.curl << ", lambda " << report.lambda);
     CHECK_MESSAGE(report.detected_green == texture.green, texture.path);
     CHECK_MESSAGE(report.detected_polarity == Polarity::height, texture.path);
     CHECK_MESSAGE(!report.rows_differed, texture.path);

@@ -36,7 +36,8 @@ Known waves(int cycles, double relief, std::uint64_t seed) {
   while (all.size() < 24) {
     const double kx = std::round(random.uniform(-cycles, cycles));
     const double ky = std::round(random.uniform(-cycles, cycles));
-    if (std::hypot(kx, ky) >= 1 && std::hypot(kx, ky) <= cycles) all.push_back({kx, ky, random.uniform(0.3, 1), random.uniform(0, 6.28)});
+    if (std::hypot(kx, ky) >= 1 && std::hypot(kx, ky) <= cycles)
+      all.push_back({kx, ky, random.uniform(0.3, 1), random.uniform(0, 6.28)});
   }
   Known out;
   const double tau = 2 * std::numbers::pi / n;
@@ -71,7 +72,8 @@ Known brick(double relief) {
   Known out;
   out.range = relief * n;
   for (int y = 0; y < n; ++y) {
-    for (int x = 0; x < n; ++x) out.height.at(x, n - 1 - y) = static_cast<float>((1 - images.relief.at(x, y, 3) / 65535.0) * out.range);
+    for (int x = 0; x < n; ++x)
+      out.height.at(x, n - 1 - y) = static_cast<float>((1 - images.relief.at(x, y, 3) / 65535.0) * out.range);
   }
   Field unit = out.height;
   scale(unit, 1 / out.range);
@@ -87,20 +89,25 @@ double rms(const std::vector<float>& a, const std::vector<float>& b, bool withou
   return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
-double slope_rms(const Slopes& a, const Slopes& b) { return std::hypot(rms(a.x.value, b.x.value, false), rms(a.y.value, b.y.value, false)); }
+double slope_rms(const Slopes& a, const Slopes& b) {
+  return std::hypot(rms(a.x.value, b.x.value, false), rms(a.y.value, b.y.value, false));
+}
 
 struct Gains {
-  double height, slope;          // over the depth alone
-  double height_n, slope_n;      // over the normals alone
+  double height, slope;      // over the depth alone
+  double height_n, slope_n;  // over the normals alone
 };
 
 // What fusion makes of the surface when both of its maps have 8 bits.
 Gains gains(const std::string& name, const Known& known) {
   Field h8 = known.height;
-  for (float& h : h8.value) h = static_cast<float>(std::round(static_cast<double>(h) / known.range * 255) / 255 * known.range);
+  for (float& h : h8.value)
+    h = static_cast<float>(std::round(static_cast<double>(h) / known.range * 255) / 255 * known.range);
   Slopes s8{Field(n, n), Field(n, n)};
   for (std::size_t k = 0; k < s8.x.value.size(); ++k) {
-    Vec3 normal = Vec3(-static_cast<double>(known.slopes.x.value[k]), -static_cast<double>(known.slopes.y.value[k]), 1).normalized();
+    Vec3 normal =
+        Vec3(-static_cast<double>(known.slopes.x.value[k]), -static_cast<double>(known.slopes.y.value[k]), 1)
+            .normalized();
     for (int c = 0; c < 3; ++c) normal[c] = std::round((0.5 * normal[c] + 0.5) * 255) / 127.5 - 1;
     s8.x.value[k] = static_cast<float>(-normal.x() / normal.z());
     s8.y.value[k] = static_cast<float>(-normal.y() / normal.z());
@@ -112,9 +119,14 @@ Gains gains(const std::string& name, const Known& known) {
   const Slopes depth_slopes = central_slopes(unit, known.range / n);
   const double height = rms(fused.height.value, known.height.value, false);
   const double slope = slope_rms(fused.slopes, known.slopes);
-  const Gains out{rms(h8.value, known.height.value, false) / height, slope_rms(depth_slopes, known.slopes) / slope,
-                  rms(normals_only.height.value, known.height.value, true) / rms(fused.height.value, known.height.value, true), slope_rms(s8, known.slopes) / slope};
-  MESSAGE(name << ": gain over depth alone: height " << out.height << ", slope " << out.slope << "; over normals alone: height " << out.height_n << ", slope " << out.slope_n << "; lambda " << fused.lambda);
+  const Gains out{rms(h8.value, known.height.value, false) / height,
+                  slope_rms(depth_slopes, known.slopes) / slope,
+                  rms(normals_only.height.value, known.height.value, true) /
+                      rms(fused.height.value, known.height.value, true),
+                  slope_rms(s8, known.slopes) / slope};
+  MESSAGE(name << ": gain over depth alone: height " << out.height << ", slope " << out.slope
+               << "; over normals alone: height " << out.height_n << ", slope " << out.slope_n << "; lambda "
+               << fused.lambda);
   return out;
 }
 
@@ -158,7 +170,8 @@ TEST_CASE("normals alone, at 8 bits, are integrated within 1 % of the range") {
   for (const Known& known : {waves(16, 0.04, 3), waves(60, 0.014, 4), brick(0.022)}) {
     Slopes s8 = known.slopes;
     for (std::size_t k = 0; k < s8.x.value.size(); ++k) {
-      Vec3 normal = Vec3(-static_cast<double>(s8.x.value[k]), -static_cast<double>(s8.y.value[k]), 1).normalized();
+      Vec3 normal =
+          Vec3(-static_cast<double>(s8.x.value[k]), -static_cast<double>(s8.y.value[k]), 1).normalized();
       for (int c = 0; c < 3; ++c) normal[c] = std::round((0.5 * normal[c] + 0.5) * 255) / 127.5 - 1;
       s8.x.value[k] = static_cast<float>(-normal.x() / normal.z());
       s8.y.value[k] = static_cast<float>(-normal.y() / normal.z());

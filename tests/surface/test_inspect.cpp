@@ -26,7 +26,8 @@ template <class Height>
 fs::path write_columns(const fs::path& path, const Height& height) {
   Image16 image(64, 64, 1);
   for (int y = 0; y < 64; ++y) {
-    for (int x = 0; x < 64; ++x) image.at(x, y, 0) = static_cast<std::uint16_t>(std::lround(65535 * height(x)));
+    for (int x = 0; x < 64; ++x)
+      image.at(x, y, 0) = static_cast<std::uint16_t>(std::lround(65535 * height(x)));
   }
   REQUIRE(write_file(path, encode_png(image)));
   return path;
@@ -37,12 +38,14 @@ fs::path write_columns(const fs::path& path, const Height& height) {
 TEST_CASE("the slope histogram is a distribution, and a triangle wave has one slope") {
   const Folder folder;
   // Up over 32 columns and down again: slope 2 * depth everywhere but at the turns.
-  const fs::path path = write_columns(folder.path / "t_height.png", [](int x) { return x < 32 ? x / 32.0 : (64 - x) / 32.0; });
+  const fs::path path =
+      write_columns(folder.path / "t_height.png", [](int x) { return x < 32 ? x / 32.0 : (64 - x) / 32.0; });
   ImportOptions options;
   options.depth_fraction = 0.25;
   const auto inspection = inspect(path, options);
   REQUIRE(inspection);
-  CHECK(std::accumulate(inspection->slope_histogram.begin(), inspection->slope_histogram.end(), 0.0) == doctest::Approx(1));
+  CHECK(std::accumulate(inspection->slope_histogram.begin(), inspection->slope_histogram.end(), 0.0) ==
+        doctest::Approx(1));
   const double angle = std::atan(0.5) * 180 / 3.14159265358979;  // 26.6 degrees
   CHECK(inspection->slope_histogram[static_cast<std::size_t>(angle / 5)] > 0.9);
   CHECK(inspection->height_levels == 33);
@@ -53,7 +56,8 @@ TEST_CASE("walls make a surface one for the normal map, a plain one is flat, a g
   const Folder folder;
   ImportOptions options;
   options.depth_fraction = 0.3;
-  const auto walls = inspect(write_columns(folder.path / "w_height.png", [](int x) { return (x / 8) % 2; }), options);
+  const auto walls =
+      inspect(write_columns(folder.path / "w_height.png", [](int x) { return (x / 8) % 2; }), options);
   REQUIRE(walls);
   CHECK(walls->near_vertical_fraction > 0.1);
   CHECK(walls->representation == "normal");
@@ -61,7 +65,9 @@ TEST_CASE("walls make a surface one for the normal map, a plain one is flat, a g
   REQUIRE(plain);
   CHECK(plain->representation == "flat");
   options.depth_fraction = 0.05;
-  const auto gentle = inspect(write_columns(folder.path / "g_height.png", [](int x) { return 0.5 + 0.5 * std::sin(x * 6.283185307 / 32); }), options);
+  const auto gentle = inspect(write_columns(folder.path / "g_height.png",
+                                            [](int x) { return 0.5 + 0.5 * std::sin(x * 6.283185307 / 32); }),
+                              options);
   REQUIRE(gentle);
   CHECK(gentle->representation == "relief");
 }
@@ -82,7 +88,10 @@ TEST_CASE("an imported surface is written and read back as the same surface") {
   CHECK(again->report.green == Green::plus_y);
   double depth = 0, normal = 0;
   for (std::size_t k = 0; k < first->texels.depth.size(); ++k) {
-    depth = std::max(depth, std::abs(static_cast<double>(first->texels.depth[k] * static_cast<float>(first->depth_fraction) - again->texels.depth[k] * static_cast<float>(again->depth_fraction))));
+    depth = std::max(
+        depth,
+        std::abs(static_cast<double>(first->texels.depth[k] * static_cast<float>(first->depth_fraction) -
+                                     again->texels.depth[k] * static_cast<float>(again->depth_fraction))));
     normal = std::max(normal, (first->texels.normal[k] - again->texels.normal[k]).norm());
   }
   MESSAGE("largest change of depth " << depth << " of the side, of the normal " << normal);
