@@ -109,12 +109,9 @@ ClosestSearch::Seen ClosestSearch::look_at(const Entry& entry) const {
   if (entry.level > 0) {
     const Pyramid::Bounds4 quad = pyramid_.quad(entry.level, entry.x, entry.y);
     const T depth = static_cast<T>(surface_.max_depth()), z = static_cast<T>(asking_.z());
-    for (int k = 0; k < 4; ++k) {
-      boxes.z0[k] = static_cast<T>(quad.deep[std::size_t(k)]);
-      boxes.z1[k] = static_cast<T>(quad.shallow[std::size_t(k)]);
-    }
-    boxes.z0 = -depth * boxes.z0 - (z + height_loss<T>());
-    boxes.z1 = -depth * boxes.z1 - (z - height_loss<T>());
+    using Floats = Eigen::Map<const Four<float>>;
+    boxes.z0 = -depth * Floats(quad.deep.data()).template cast<T>() - (z + height_loss<T>());
+    boxes.z1 = -depth * Floats(quad.shallow.data()).template cast<T>() - (z - height_loss<T>());
   } else {
     const Four<T> thick = planes.thickness();
     boxes.z0 = planes.z - thick;

@@ -125,7 +125,7 @@ Pyramid::Pyramid(std::span<const float> depth, const Grid& grid) {
     if (level_1_ == 0) level_1_ = quads;
   } while (width > 1 || height > 1);
   slabs_.resize(quads);
-  Quad empty;
+  Bounds4 empty;
   empty.shallow.fill(nothing);
   empty.deep.fill(-nothing);
   quads_.assign(quads - level_1_, empty);
@@ -150,7 +150,7 @@ void Pyramid::build_leaves(std::span<const float> depth, const Grid& grid) {
       if (levels() == 1) continue;
       const Bounds depths = texels.depths();
       const std::size_t up = block(1, x / 2, y / 2);
-      Quad& quad = quads_[up / 4 - level_1_];
+      Bounds4& quad = quads_[up / 4 - level_1_];
       quad.shallow[up % 4] = std::min(quad.shallow[up % 4], depths.low);
       quad.deep[up % 4] = std::max(quad.deep[up % 4], depths.high);
     }
@@ -164,7 +164,7 @@ void Pyramid::build_level(int level) {
       if (level + 1 == levels()) continue;
       const Range range = this->range(level, x, y);
       const std::size_t up = block(level + 1, x / 2, y / 2);
-      Quad& quad = quads_[up / 4 - level_1_];
+      Bounds4& quad = quads_[up / 4 - level_1_];
       quad.shallow[up % 4] = std::min(quad.shallow[up % 4], static_cast<float>(range.shallow));
       quad.deep[up % 4] = std::max(quad.deep[up % 4], static_cast<float>(range.deep));
     }

@@ -59,7 +59,7 @@ class Pyramid {
   // Exact, for level 1 and up.
   Range range(int level, int x, int y) const {
     const std::size_t at = block(level, x, y);
-    const Quad& quad = quads_[at / 4 - level_1_];
+    const Bounds4& quad = quads_[at / 4 - level_1_];
     return {quad.shallow[at % 4], quad.deep[at % 4]};
   }
   Slab slab(int level, int x, int y) const {
@@ -79,28 +79,23 @@ class Pyramid {
   const Slabs4& slabs(int level, int x, int y) const { return slabs_[block(level, 2 * x, 2 * y) / 4]; }
   // Bounds of the four blocks of `level` in quad (x, y), block k at (2x + (k & 1), 2y + (k >> 1)): their
   // ranges, or at level 0 the boxes of their slabs. Missing ones have shallow > deep, both infinite.
-  struct Bounds4 {
-    std::array<double, 4> shallow, deep;
+  struct alignas(32) Bounds4 {
+    std::array<float, 4> shallow, deep;
   };
   Bounds4 quad(int level, int x, int y) const {
     const std::size_t at = block(level, 2 * x, 2 * y);
+    if (level > 0) return quads_[at / 4 - level_1_];
     Bounds4 out;
-    if (level > 0) {
-      const Quad& quad = quads_[at / 4 - level_1_];
-      for (std::size_t k = 0; k < 4; ++k) out.shallow[k] = quad.shallow[k];
-      for (std::size_t k = 0; k < 4; ++k) out.deep[k] = quad.deep[k];
-      return out;
-    }
     const Slabs4& slabs = slabs_[at / 4];
     for (std::size_t k = 0; k < 4; ++k) {
       const double tilt = 0.5 * leaf * slope_unit * (std::abs(slabs.slope_x[k]) + std::abs(slabs.slope_y[k]));
-      out.shallow[k] = slabs.low[k] * depth_unit - tilt;
-      out.deep[k] = slabs.high[k] * depth_unit + tilt;
+      out.shallow[k] = static_cast<float>(slabs.low[k] * depth_unit - tilt);
+      out.deep[k] = static_cast<float>(slabs.high[k] * depth_unit + tilt);
     }
     for (int k = 0; k < 4; ++k) {
       if (exists(0, 2 * x + (k & 1), 2 * y + (k >> 1))) continue;
-      out.shallow[static_cast<std::size_t>(k)] = std::numeric_limits<double>::infinity();
-      out.deep[static_cast<std::size_t>(k)] = -std::numeric_limits<double>::infinity();
+      out.shallow[static_cast<std::size_t>(k)] = std::numeric_limits<float>::infinity();
+      out.deep[static_cast<std::size_t>(k)] = -std::numeric_limits<float>::infinity();
     }
     return out;
   }
@@ -116,7 +111,7 @@ class Pyramid {
   // Cells a side of a block of `level`.
   static int side(int level) { return leaf << level; }
   std::size_t memory_bytes() const {
-    return quads_.capacity() * sizeof(Quad) + slabs_.capacity() * sizeof(Slabs4) +
+    return quads_.capacity() * sizeof(Bounds4) + slabs_.capacity() * sizeof(Slabs4) +
            levels_.capacity() * sizeof(Level);
   }
 
@@ -124,9 +119,6 @@ class Pyramid {
   struct Level {
     std::size_t start;
     int width;  // both in quads
-  };
-  struct alignas(32) Quad {
-    std::array<float, 4> shallow, deep;
   };
   void build_leaves(std::span<const float> depth, const Grid& grid);
   void build_level(int level);
@@ -147,7 +139,7 @@ class Pyramid {
   Range whole_{0, 0};
   std::size_t level_1_ = 0;  // quads of level 0, which have no ranges
   std::vector<Level> levels_;
-  LargeArray<Quad> quads_;
+  LargeArray<Bounds4> quads_;
   LargeArray<Slabs4> slabs_;
 };
 
