@@ -106,8 +106,10 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
     result.setPersistentManifold(manifolds_[0]);
     const btTransform& frame = textured.getWorldTransform();
     const Pose pose = from_bullet(frame.inverseTimes(body.getWorldTransform()));
-    for (const contact::ContactPoint& c :
-         shape.contacts(shape_, pose, static_cast<double>(result.m_closestPointDistanceThreshold))) {
+    const auto margin = static_cast<double>(result.m_closestPointDistanceThreshold);
+    const contact::ContactSet found = relief_ != nullptr ? touch_of_reliefs(*relief_, pose, shape, margin)
+                                                         : shape.contacts(shape_, pose, margin);
+    for (const contact::ContactPoint& c : found) {
       const btVector3 normal = frame.getBasis() * to_bullet(c.normal);
       const btVector3 on_surface = frame(to_bullet(c.point));
       const auto distance = static_cast<btScalar>(c.distance);
@@ -189,7 +191,14 @@ struct CreateSurface : btCollisionAlgorithmCreateFunc {
                                                  const btCollisionObjectWrapper* a,
                                                  const btCollisionObjectWrapper* b) override {
     void* memory = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(SurfaceAlgorithm));
-    return new (memory) SurfaceAlgorithm(info, m_swapped ? *b : *a, m_swapped ? *a : *b, m_swapped, reports_);
+    // Of two textured ones the body is the one that moves.
+    const auto is_textured = [](const btCollisionObjectWrapper& o) {
+      return o.getCollisionShape()->getShapeType() == CUSTOM_CONCAVE_SHAPE_TYPE;
+    };
+    const bool turned =
+        is_textured(*a) && is_textured(*b) && a->getCollisionObject()->isStaticOrKinematicObject();
+    const bool swapped = m_swapped || turned;
+    return new (memory) SurfaceAlgorithm(info, swapped ? *b : *a, swapped ? *a : *b, swapped, reports_);
   }
   bool reports_;
 };
