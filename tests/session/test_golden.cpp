@@ -31,7 +31,7 @@ Image8 first_picture(const Scene& scene, const SceneSurface& surface) {
   std::vector<Pose> balls, bodies;
   for (const BallScene& ball : scene.balls) balls.push_back({ball.position, Quat::Identity()});
   for (const BodyScene& body : scene.bodies) bodies.push_back(body.body.pose);
-  return (*renderer)->draw(ScenePicture(scene).frame(balls, bodies, std::nullopt));
+  return (*renderer)->draw(ScenePicture(scene, surface).frame(balls, bodies, std::nullopt));
 }
 
 struct Difference {
