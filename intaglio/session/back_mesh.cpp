@@ -35,18 +35,19 @@ std::vector<std::array<int, 2>> rim_of(const surface::TriangleMesh& base) {
 
 }  // namespace
 
-render::Mesh back_mesh(const surface::TriangleMesh& base, double thickness) {
+render::Mesh back_mesh(const surface::TriangleMesh& base, double relief, double thickness) {
   const auto rim = rim_of(base);
   render::Mesh mesh;
   if (rim.empty()) return mesh;
   const auto at = [&](int k) { return static_cast<std::size_t>(k); };
-  const auto behind = [&](int k) { return Vec3(base.positions[at(k)] - thickness * base.normals[at(k)]); };
+  const auto below = [&](int k, double by) { return Vec3(base.positions[at(k)] - by * base.normals[at(k)]); };
   for (std::size_t k = 0; k < base.positions.size(); ++k)
-    mesh.vertices.push_back({floats(behind(static_cast<int>(k))), floats(-base.normals[k])});
+    mesh.vertices.push_back({floats(below(static_cast<int>(k), thickness)), floats(-base.normals[k])});
   for (const surface::Triangle& t : base.triangles)
     for (const int k : {t[0], t[2], t[1]}) mesh.indices.push_back(static_cast<std::uint32_t>(k));
   for (const auto& [a, b] : rim) {
-    const std::array<Vec3, 4> corners = {base.positions[at(a)], behind(a), behind(b), base.positions[at(b)]};
+    const std::array<Vec3, 4> corners = {below(a, relief), below(a, thickness), below(b, thickness),
+                                         below(b, relief)};
     const Vec3 normal = (corners[1] - corners[0]).cross(corners[3] - corners[0]).normalized();
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     for (const Vec3& corner : corners) mesh.vertices.push_back({floats(corner), floats(normal)});

@@ -17,7 +17,7 @@ int pieces(int wanted, double repeat) {
 }
 
 Result<surface::TriangleMesh> mesh_of(const BaseScene& base) {
-  const int around = pieces(96, base.repeat.x()), up = pieces(48, base.repeat.y());
+  const int around = pieces(64, base.repeat.x()), up = pieces(32, base.repeat.y());
   switch (base.shape) {
     case BaseScene::Shape::cylinder:
       return surface::make_cylinder(base.radius, base.height, around, pieces(1, base.repeat.y()));

@@ -33,8 +33,8 @@ ScenePicture::ScenePicture(const Scene& scene, const SceneSurface& surface)
     const auto& curved = surface.grounds[k].curved;
     if (!curved) continue;
     render::Solid back;
-    back.mesh =
-        std::make_shared<const render::Mesh>(back_mesh(curved->base().mesh(), scene.grounds[k].thickness));
+    back.mesh = std::make_shared<const render::Mesh>(back_mesh(
+        curved->base().mesh(), 1.01 * surface.grounds[k].surface->max_depth(), scene.grounds[k].thickness));
     back.colour = Vec3(0.20, 0.17, 0.14);
     if (!back.mesh->vertices.empty()) solids_.push_back(std::move(back));
   }
