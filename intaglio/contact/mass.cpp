@@ -18,25 +18,14 @@ MassProperties round_the_y_axis(double volume, double across, double along) {
 }
 
 MassProperties of_tetrahedra(const Polyhedron& form) {
-  // Integrals of 1, x and x x^T over tetrahedra from the origin to triangles of the faces.
-  double volume = 0;
-  Vec3 first = Vec3::Zero();
-  Mat3 second = Mat3::Zero();
+  EnclosedMass sum;
   for (const Polyhedron::Face& face : form.faces) {
     const auto corner = [&](int k) -> const Vec3& {
       return form.vertices[std::size_t(form.loop[std::size_t(face.first + k)])];
     };
-    for (int k = 1; k + 1 < face.count; ++k) {
-      const Vec3 &a = corner(0), &b = corner(k), &c = corner(k + 1), sum = a + b + c;
-      const double v = a.dot(b.cross(c)) / 6;
-      volume += v;
-      first += v / 4 * sum;
-      second += v / 20 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
-    }
+    for (int k = 1; k + 1 < face.count; ++k) sum.add(corner(0), corner(k), corner(k + 1));
   }
-  const Vec3 centre = first / volume;
-  const Mat3 about = second - volume * centre * centre.transpose();
-  return {volume, centre, about.trace() * Mat3::Identity() - about};
+  return sum.properties();
 }
 
 struct Properties {
@@ -88,6 +77,20 @@ struct Properties {
 };
 
 }  // namespace
+
+void EnclosedMass::add(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 sum = a + b + c;
+  const double v = a.dot(b.cross(c)) / 6;
+  volume_ += v;
+  first_ += v / 4 * sum;
+  second_ += v / 20 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + sum * sum.transpose());
+}
+
+MassProperties EnclosedMass::properties() const {
+  const Vec3 centre = first_ / volume_;
+  const Mat3 about = second_ - volume_ * centre * centre.transpose();
+  return {volume_, centre, about.trace() * Mat3::Identity() - about};
+}
 
 MassProperties mass_properties(const Shape& shape) {
   return std::visit(Properties{}, shape);

@@ -15,4 +15,18 @@ struct MassProperties {
 
 MassProperties mass_properties(const Shape& shape);
 
+// Of what a closed surface encloses, given triangle by triangle, counter-clockwise seen from outside: the
+// sums over tetrahedra under them. Of an open surface the volume means nothing.
+class EnclosedMass {
+ public:
+  void add(const Vec3& a, const Vec3& b, const Vec3& c);
+  MassProperties properties() const;
+
+ private:
+  // Integrals of 1, x and x x^T over tetrahedra from the origin.
+  double volume_ = 0;
+  Vec3 first_ = Vec3::Zero();
+  Mat3 second_ = Mat3::Zero();
+};
+
 }  // namespace intaglio::contact

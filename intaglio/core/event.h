@@ -17,8 +17,9 @@ inline constexpr bool is_surface(BodyId id) {
 
 enum class ContactPhase : std::uint8_t { begin, persist, end };
 
-// One step of one contact between `body` and the textured surface of `other`; or another body, which has no
-// texture: then uv says nothing and both normals are the contact's. SI units, world frame.
+// One step of one contact between `body` and the textured surface of `other`, which may be a body that moves
+// itself; or another body, which has no texture: then uv says nothing and both normals are the contact's. SI
+// units, world frame.
 struct ContactEvent {
   double time = 0;            // s, the instant of the impulse, not of the frame that noticed it
   BodyId body = 0;            // the moving body (ball, pen)

@@ -14,7 +14,8 @@ std::array<Vec3, 3> corners_of(const surface::ReliefMesh& relief, int triangle) 
 
 }  // namespace
 
-CurvedShape::CurvedShape(surface::ReliefMesh relief) : relief_(std::move(relief)) {
+CurvedShape::CurvedShape(surface::ReliefMesh relief, double thickness)
+    : TouchableShape(thickness), relief_(std::move(relief)) {
   const surface::Box bounds = relief_.bounds();
   look_ahead_ = 0.25 * bounds.sizes().maxCoeff();
   low_ = to_bullet(Vec3(bounds.min()));
@@ -22,26 +23,31 @@ CurvedShape::CurvedShape(surface::ReliefMesh relief) : relief_(std::move(relief)
 }
 
 contact::ContactSet CurvedShape::contacts(const contact::Shape& body, const Pose& pose, double margin) const {
-  return curved_contacts(relief_, body, pose, margin);
+  return within_thickness(curved_contacts(relief_, body, pose, margin));
+}
+
+contact::MassProperties CurvedShape::enclosed() const {
+  contact::EnclosedMass sum;
+  const auto count = static_cast<int>(relief_.base().mesh().triangles.size());
+  for (int k = 0; k < count; ++k) {
+    const auto [a, b, c] = corners_of(relief_, k);
+    sum.add(a, b, c);
+  }
+  contact::MassProperties out = sum.properties();
+  const bool is_solid = out.volume > 1e-3 * relief_.bounds().sizes().prod();
+  return is_solid && out.centre.allFinite() ? out : contact::MassProperties{};
 }
 
 void CurvedShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const {
-  const auto count = static_cast<int>(relief_.base().mesh().triangles.size());
-  double volume = 0;
-  Vec3 squares = Vec3::Zero();  // the integrals of x^2, y^2, z^2
-  for (int k = 0; k < count; ++k) {
-    const auto [a, b, c] = corners_of(relief_, k);
-    const double part = a.dot(b.cross(c)) / 6;
-    volume += part;
-    const Vec3 sum = a + b + c;
-    squares += part / 20 * (a.cwiseAbs2() + b.cwiseAbs2() + c.cwiseAbs2() + sum.cwiseAbs2());
+  const contact::MassProperties whole = enclosed();
+  if (whole.volume > 0) {
+    const Vec3 shift = whole.centre;
+    const Vec3 about =
+        whole.inertia.diagonal() / whole.volume + Vec3::Constant(shift.squaredNorm()) - shift.cwiseAbs2();
+    inertia = to_bullet(Vec3(static_cast<double>(mass) * about));
+    return;
   }
-  const Vec3 box = relief_.bounds().sizes();
-  if (!(volume > 1e-3 * box.prod())) {
-    squares = box.cwiseAbs2() / 12;
-    volume = 1;
-  }
-  squares *= static_cast<double>(mass) / volume;
+  const Vec3 squares = relief_.bounds().sizes().cwiseAbs2() * static_cast<double>(mass) / 12;
   inertia = to_bullet(Vec3(squares.y() + squares.z(), squares.x() + squares.z(), squares.x() + squares.y()));
 }
 

@@ -13,6 +13,7 @@
 // Includes Bullet (3.24, single precision). One thread at a time.
 #pragma once
 
+#include "intaglio/contact/mass.h"
 #include "intaglio/dynamics/touchable_shape.h"
 #include "intaglio/surface/mesh/relief_mesh.h"
 
@@ -20,14 +21,15 @@ namespace intaglio::dynamics {
 
 class CurvedShape : public TouchableShape {
  public:
-  explicit CurvedShape(surface::ReliefMesh relief);
+  explicit CurvedShape(surface::ReliefMesh relief, double thickness = solid);
 
   const surface::ReliefMesh& relief() const { return relief_; }
   contact::ContactSet contacts(const contact::Shape& body, const Pose& pose, double margin) const override;
   double texel() const override { return relief_.texel(); }
 
-  // Of the solid that a closed mesh encloses, its corners moved to the relief, about the origin: the diagonal
-  // only. Of an open mesh that of its bounding box.
+  // What a closed mesh encloses, its corners moved to the relief; of an open mesh nothing.
+  contact::MassProperties enclosed() const;
+  // Of that, about the origin: the diagonal only. Of an open mesh that of its bounding box.
   void calculateLocalInertia(btScalar mass, btVector3& inertia) const override;
   const char* getName() const override { return "CurvedShape"; }
   void processAllTriangles(btTriangleCallback* callback, const btVector3& low,

@@ -64,6 +64,7 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
     const double slack = 0.01 * std::min(shape.texel(), approach.reach);
     contact::ContactSet contacts;
     if (is_near(shape, approach)) contacts = contacts_of(shape, approach, slack);
+    if (relief_ != nullptr || (is_free(body) && is_free(textured))) leave_alone(contacts, slack);
     fill(contacts, approach, *body.getCollisionObject(), *textured.getCollisionObject(),
          textured.getWorldTransform());
   }
@@ -94,6 +95,18 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
                          to_bullet(Vec3(approach.pose.position + away)));
   }
 
+  static bool is_free(const btCollisionObjectWrapper& one) {
+    return !one.getCollisionObject()->isStaticOrKinematicObject();
+  }
+
+  // Two reliefs that fit touch everywhere, and which points are told changes; and what undoing an overlap
+  // lifts falls back. Overlaps that nobody sees are not undone, or a pile trembles for ever.
+  void leave_alone(contact::ContactSet& contacts, double overlap) const {
+    if (relief_ != nullptr) overlap = std::min(overlap, 0.01 * relief_->texel());
+    for (std::size_t k = 0; k < contacts.count; ++k)
+      if (double& d = contacts.points[k].distance; d < 0) d = std::min(d + overlap, 0.0);
+  }
+
   contact::ContactSet contacts_of(const TouchableShape& shape, const Approach& approach, double slack) const {
     if (relief_ == nullptr) return contacts_ahead(shape, shape_, approach, slack);
     return touch_of_reliefs(*relief_, approach.pose, shape,
@@ -106,8 +119,10 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
     result.setPersistentManifold(manifolds_[0]);
     const btTransform& frame = textured.getWorldTransform();
     const Pose pose = from_bullet(frame.inverseTimes(body.getWorldTransform()));
-    for (const contact::ContactPoint& c :
-         shape.contacts(shape_, pose, static_cast<double>(result.m_closestPointDistanceThreshold))) {
+    const auto margin = static_cast<double>(result.m_closestPointDistanceThreshold);
+    const contact::ContactSet found = relief_ != nullptr ? touch_of_reliefs(*relief_, pose, shape, margin)
+                                                         : shape.contacts(shape_, pose, margin);
+    for (const contact::ContactPoint& c : found) {
       const btVector3 normal = frame.getBasis() * to_bullet(c.normal);
       const btVector3 on_surface = frame(to_bullet(c.point));
       const auto distance = static_cast<btScalar>(c.distance);
@@ -189,7 +204,14 @@ struct CreateSurface : btCollisionAlgorithmCreateFunc {
                                                  const btCollisionObjectWrapper* a,
                                                  const btCollisionObjectWrapper* b) override {
     void* memory = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(SurfaceAlgorithm));
-    return new (memory) SurfaceAlgorithm(info, m_swapped ? *b : *a, m_swapped ? *a : *b, m_swapped, reports_);
+    // Of two textured ones the body is the one that moves.
+    const auto is_textured = [](const btCollisionObjectWrapper& o) {
+      return o.getCollisionShape()->getShapeType() == CUSTOM_CONCAVE_SHAPE_TYPE;
+    };
+    const bool turned =
+        is_textured(*a) && is_textured(*b) && a->getCollisionObject()->isStaticOrKinematicObject();
+    const bool swapped = m_swapped || turned;
+    return new (memory) SurfaceAlgorithm(info, swapped ? *b : *a, swapped ? *a : *b, swapped, reports_);
   }
   bool reports_;
 };

@@ -9,8 +9,9 @@
 
 namespace intaglio::dynamics {
 
-TexturedShape::TexturedShape(std::shared_ptr<const surface::Surface> surface, const ContactOptions& options)
-    : surface_(std::move(surface)), relief_(surface_), options_(options) {
+TexturedShape::TexturedShape(std::shared_ptr<const surface::Surface> surface, const ContactOptions& options,
+                             double thickness)
+    : TouchableShape(thickness), surface_(std::move(surface)), relief_(surface_), options_(options) {
   if (options_.representation == Representation::normal && options_.normal_method == NormalMethod::implied) {
     const surface::ImpliedRelief implied = implied_relief(*surface_);
     relief_ = implied.surface;
@@ -22,7 +23,7 @@ TexturedShape::TexturedShape(std::shared_ptr<const surface::Surface> surface, co
   high_ = -low_;
   for (int corner = 0; corner < 8; ++corner) {
     const Vec3 local((corner & 1) != 0 ? place.size_u() : 0, (corner & 2) != 0 ? place.size_v() : 0,
-                     (corner & 4) != 0 ? -relief_->max_depth() - look_ahead_ : 0);
+                     (corner & 4) != 0 ? -relief_->max_depth() - std::min(look_ahead_, thickness) : 0);
     const btVector3 at = to_bullet(place.to_world(local));
     low_.setMin(at);
     high_.setMax(at);
@@ -31,6 +32,11 @@ TexturedShape::TexturedShape(std::shared_ptr<const surface::Surface> surface, co
 
 contact::ContactSet TexturedShape::contacts(const contact::Shape& body, const Pose& pose,
                                             double margin) const {
+  return within_thickness(all_contacts(body, pose, margin));
+}
+
+contact::ContactSet TexturedShape::all_contacts(const contact::Shape& body, const Pose& pose,
+                                                double margin) const {
   if (options_.representation == Representation::flat) return flat_contacts(*surface_, body, pose, margin);
   if (options_.representation == Representation::normal && options_.normal_method == NormalMethod::literal)
     return normal_map_contacts(*surface_, body, pose, margin);

@@ -29,7 +29,8 @@ namespace intaglio::dynamics {
 
 class TexturedShape : public TouchableShape {
  public:
-  explicit TexturedShape(std::shared_ptr<const surface::Surface> surface, const ContactOptions& options = {});
+  explicit TexturedShape(std::shared_ptr<const surface::Surface> surface, const ContactOptions& options = {},
+                         double thickness = solid);
 
   const surface::Surface& surface() const { return *surface_; }
   // What bodies move on: the surface, or the relief that its normals imply.
@@ -37,7 +38,8 @@ class TexturedShape : public TouchableShape {
   Vec2 mean_slope() const { return mean_slope_; }  // of the implied relief
   const ContactOptions& options() const { return options_; }
 
-  // A body that is wholly under the relief is lifted out of it from as far down as look_ahead().
+  // A body that is wholly under the relief is lifted out of it from as far down as look_ahead(), or as the
+  // shape is thick.
   contact::ContactSet contacts(const contact::Shape& body, const Pose& pose, double margin) const override;
   double texel() const override { return std::min(surface_->texel_u(), surface_->texel_v()); }
 
@@ -55,6 +57,8 @@ class TexturedShape : public TouchableShape {
                            const btVector3& high) const override;
 
  private:
+  contact::ContactSet all_contacts(const contact::Shape& body, const Pose& pose, double margin) const;
+
   std::shared_ptr<const surface::Surface> surface_, relief_;
   Vec2 mean_slope_ = Vec2::Zero();
   ContactOptions options_;

@@ -28,14 +28,26 @@ Pose inverse(const Pose& pose) {
 
 }  // namespace
 
+contact::ContactSet TouchableShape::within_thickness(contact::ContactSet set) const {
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < set.count; ++k)
+    if (set.points[k].distance >= -thickness_) set.points[kept++] = set.points[k];
+  set.count = kept;
+  return set;
+}
+
 contact::ContactSet touch_of_reliefs(const TouchableShape& body, const Pose& pose,
                                      const TouchableShape& ground, double margin) {
   const auto* flat_body = dynamic_cast<const TexturedShape*>(&body);
   const auto* flat_ground = dynamic_cast<const TexturedShape*>(&ground);
   const auto* curved_body = dynamic_cast<const CurvedShape*>(&body);
   const auto* curved_ground = dynamic_cast<const CurvedShape*>(&ground);
-  if (flat_body && flat_ground)
+  if (flat_body && flat_ground) {
+    // Faces that look the same way are back to front, as near as they may be.
+    const Vec3 up = pose.orientation * flat_body->relief().placement().n();
+    if (up.dot(flat_ground->relief().placement().n()) > 0.5) return {};
     return contact::relief_relief_contacts({flat_body->relief(), pose}, {flat_ground->relief(), {}}, margin);
+  }
   // Of a curved body many pieces are nearly as low as the lowest: what is farther ahead is found when it is
   // nearer.
   margin = std::min(margin, 0.3 * std::min(body.texel(), ground.texel()));

@@ -5,6 +5,8 @@
 
 #include <btBulletCollisionCommon.h>
 
+#include <limits>
+
 #include "intaglio/contact/contact_point.h"
 #include "intaglio/contact/shape.h"
 
@@ -12,8 +14,12 @@ namespace intaglio::dynamics {
 
 class TouchableShape : public btConcaveShape {
  public:
-  // Bullet looks algorithms up by this number, and knows that such a shape is concave.
-  TouchableShape() {
+  // What is below the relief is solid, however deep.
+  static constexpr double solid = std::numeric_limits<double>::infinity();
+
+  // Bullet looks algorithms up by this number, and knows that such a shape is concave. What is under the
+  // relief by more than `thickness` metres is behind the shape, not in it.
+  explicit TouchableShape(double thickness = solid) : thickness_(thickness) {
     m_shapeType = CUSTOM_CONCAVE_SHAPE_TYPE;
     m_collisionMargin = 0;
   }
@@ -38,10 +44,14 @@ class TouchableShape : public btConcaveShape {
   const btVector3& getLocalScaling() const override { return scaling_; }
 
  protected:
+  // Without what is deeper than the shape is thick.
+  contact::ContactSet within_thickness(contact::ContactSet set) const;
+
   double look_ahead_ = 0;
   btVector3 low_{0, 0, 0}, high_{0, 0, 0};  // what bodies are looked for in, in this shape's frame
 
  private:
+  double thickness_;
   btVector3 scaling_{1, 1, 1};
 };
 

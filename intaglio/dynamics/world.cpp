@@ -9,23 +9,11 @@
 
 namespace intaglio::dynamics {
 
-namespace {
-
-ContactOptions contact_options(const WorldOptions& o) {
-  return {o.representation, o.method, o.normal_method};
-}
-
-}  // namespace
-
-World::State::State(std::shared_ptr<const surface::Surface> s, const Material& material,
-                    const WorldOptions& o)
-    : options(o),
-      surface(s),
-      floor_shape(std::move(s), contact_options(o)),
-      floor(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &floor_shape)) {
+World::State::State(std::unique_ptr<Ground> made, const Material& material, const WorldOptions& o)
+    : options(o), floor(std::move(made)) {
   register_algorithms(dispatcher);
-  if (&floor_shape.relief() != surface.get())
-    drawn.emplace(*surface, floor_shape.relief(), floor_shape.mean_slope());
+  if (const TexturedShape* flat = floor->flat(); flat && &flat->relief() != floor->surface.get())
+    drawn.emplace(*floor->surface, flat->relief(), flat->mean_slope());
   world.setGravity(to_bullet(options.gravity));
   btContactSolverInfo& info = world.getSolverInfo();
   info.m_restitutionVelocityThreshold =
@@ -34,18 +22,16 @@ World::State::State(std::shared_ptr<const surface::Surface> s, const Material& m
   // Penetration is undone by moving bodies, never by pushing them: a push is energy from nowhere.
   info.m_splitImpulse = 1;
   info.m_splitImpulsePenetrationThreshold = 0;
-  floor.setFriction(static_cast<btScalar>(std::sqrt(material.friction)));
-  floor.setRestitution(static_cast<btScalar>(material.restitution));
   floor_rolling_resistance = material.rolling_resistance;
-  floor.setUserIndex(static_cast<int>(floor_body));
-  world.addRigidBody(&floor);
+  floor->rigid.setUserIndex(static_cast<int>(floor_body));
+  world.addRigidBody(&floor->rigid);
 }
 
 World::State::~State() {
   for (Body& body : bodies)
     if (body.rigid->isInWorld()) world.removeRigidBody(body.rigid.get());
   for (const auto& ground : grounds) world.removeRigidBody(&ground->rigid);
-  world.removeRigidBody(&floor);
+  world.removeRigidBody(&floor->rigid);
 }
 
 World::State::Body& World::State::body(BodyId id) {
@@ -55,7 +41,14 @@ World::State::Body& World::State::body(BodyId id) {
 
 World::World(std::shared_ptr<const surface::Surface> floor, const Material& floor_material,
              const WorldOptions& options)
-    : state_(std::make_unique<State>(std::move(floor), floor_material, options)) {}
+    : state_(
+          std::make_unique<State>(std::make_unique<State::Ground>(std::move(floor), floor_material, options),
+                                  floor_material, options)) {}
+
+World::World(const surface::ReliefMesh& floor, const Material& floor_material, const WorldOptions& options)
+    : state_(std::make_unique<State>(
+          std::make_unique<State::Ground>(floor, floor_material, options, TouchableShape::solid),
+          floor_material, options)) {}
 
 World::~World() = default;
 World::World(World&&) noexcept = default;
@@ -63,12 +56,12 @@ World::World(World&&) noexcept = default;
 // So many that no body moves farther in one than two texels, or a part of its own size where texels are
 // small.
 int World::State::substeps() const {
-  const double texel = std::min(surface->texel_u(), surface->texel_v());
   double most = 1;
   for (const Body& body : bodies) {
     if (!body.is_moving()) continue;
     const double speed =
         static_cast<double>(body.rigid->getLinearVelocity().length()) + options.gravity.norm() * options.step;
+    const double texel = body.texel > 0 ? std::min(body.texel, floor->shape->texel()) : floor->shape->texel();
     const double stride = std::min(body.reach, std::max(texel, 0.075 * body.reach));
     most = std::max(most, std::ceil(speed * options.step / stride));
   }
@@ -91,6 +84,7 @@ void World::State::advance(double dt) {
     slow(body);
     body.velocity_before = from_bullet(body.rigid->getLinearVelocity());
     body.energy_before = energy(*body.rigid);
+    body.was_awake = body.rigid->isActive();
   }
   world.stepSimulation(static_cast<btScalar>(dt), 0);
   time += dt;
@@ -101,38 +95,6 @@ void World::State::advance(double dt) {
     look_after(body);
   }
   audit(dt);
-}
-
-// Kinetic and potential, J.
-double World::State::energy(const btRigidBody& body) const {
-  const double mass = 1 / static_cast<double>(body.getInvMass());
-  const btVector3 spin = body.getAngularVelocity();
-  return 0.5 * mass * static_cast<double>(body.getLinearVelocity().length2()) +
-         0.5 * static_cast<double>(spin.dot(body.getInvInertiaTensorWorld().inverse() * spin)) -
-         mass * options.gravity.dot(from_bullet(body.getWorldTransform().getOrigin()));
-}
-
-// Undoing a penetration lifts a body, and what only the fixed floor touches cannot gain energy: the lift is
-// paid for out of its motion, through the contact that lifted it.
-void World::State::pay_for_lift(Body& body) {
-  if (!body.touched || body.met_another || is_literal()) return;
-  const double gained = energy(*body.rigid) - body.energy_before;
-  const double mass = 1 / static_cast<double>(body.rigid->getInvMass());
-  const double kinetic = energy(*body.rigid) +
-                         mass * options.gravity.dot(from_bullet(body.rigid->getWorldTransform().getOrigin()));
-  if (gained <= 0) return;
-  // Who cannot pay is not lifted, and goes on overlapping by a hair; but a body that is deep in is rescued.
-  if (gained > kinetic && gained < mass * options.gravity.norm() * 2e-3 * body.reach)
-    body.rigid->setCenterOfMassTransform(body.last_good);
-  const double kept = kinetic > gained ? std::sqrt(1 - gained / kinetic) : 0;
-  const Vec3 velocity = from_bullet(body.rigid->getLinearVelocity());
-  const Vec3 impulse = mass * (kept - 1) * velocity;
-  body.rigid->setLinearVelocity(to_bullet(kept * velocity));
-  body.rigid->setAngularVelocity(body.rigid->getAngularVelocity() * static_cast<btScalar>(kept));
-  body.gained += impulse;
-  const auto own = std::find_if(events.rbegin(), events.rend(),
-                                [&](const ContactEvent& e) { return e.body == id(*body.rigid); });
-  if (own != events.rend()) own->impulse += impulse;
 }
 
 std::span<const ContactEvent> World::events() const {

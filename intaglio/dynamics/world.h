@@ -1,12 +1,16 @@
-// Rigid bodies on one textured surface: a Bullet world whose contacts come from the texture.
+// Rigid bodies on textured surfaces: a Bullet world whose contacts come from the textures, of the floor and
+// other ground, flat or on a curved base, and of bodies.
 //
 // Fixed steps, deterministic: the same bodies and steps give the same motion. Not thread-safe; one thread at
 // a time. Cost of a step: about 3 us a body for Bullet itself, plus the contact query of its representation
 // (docs/contact-bench.md). Bullet computes in 32-bit floats: keep the scene within some metres of the origin.
-// A body that moves farther than a texel in a step makes the world take smaller ones inside.
+// A body that moves farther than a texel in a step makes the world take smaller ones inside. Curved bases and
+// bodies have their relief in the representation `relief`; in the others they are bare.
 #pragma once
 
+#include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -15,6 +19,7 @@
 #include "intaglio/core/event.h"
 #include "intaglio/core/material.h"
 #include "intaglio/dynamics/method.h"
+#include "intaglio/surface/mesh/relief_mesh.h"
 #include "intaglio/surface/surface.h"
 
 namespace intaglio::dynamics {
@@ -27,7 +32,7 @@ struct WorldOptions {
   NormalMethod normal_method = NormalMethod::implied;
   bool bodies_collide = true;  // with each other
   int most_substeps = 8;       // of one step, when bodies are fast
-  bool report_pairs = false;   // events of bodies that touch each other too
+  bool report_pairs = false;   // events of bodies without texture that touch each other too
 };
 
 // How a body comes to move.
@@ -49,8 +54,16 @@ struct SphereBody {
 
 // A solid body of any shape that contact/ knows, of even density. `pose` is that of the shape's frame,
 // wherever its centre of mass is; the velocity is that of the centre of mass.
+//
+// A textured body has reliefs in the shape's frame: `faces` are rectangles on the sides of a Box, their
+// relief goes into it; a `skin` is met in place of the shape, which is then what it is without relief. Where
+// Bullet's own shapes meet such a body they meet its relief; two reliefs meet as TexturedShape and
+// CurvedShape do: flat on flat, curved on flat, but not curved on curved. What of a face is deeper in than
+// its relief and a texel is the box's matter.
 struct ShapeBody {
   contact::Shape shape;
+  std::vector<std::shared_ptr<const surface::Surface>> faces;
+  std::optional<surface::ReliefMesh> skin;  // closed: an open one has no inside, and is not simulated
   Material material;
   Pose pose;
   Vec3 velocity = Vec3::Zero();          // m/s
@@ -69,6 +82,8 @@ class World {
  public:
   World(std::shared_ptr<const surface::Surface> floor, const Material& floor_material,
         const WorldOptions& options);
+  // On a curved floor, in world coordinates: a bowl, a pipe. The relief is what is below its base.
+  World(const surface::ReliefMesh& floor, const Material& floor_material, const WorldOptions& options);
   ~World();
   World(World&&) noexcept;
 
@@ -78,6 +93,9 @@ class World {
   // One more textured surface that does not move, where its placement says; numbered from
   // first_surface_body. Bodies on it are drawn where they are simulated, also over a normal map.
   BodyId add_surface(std::shared_ptr<const surface::Surface> surface, const Material& material);
+  // The same on a curved base; what is under its relief by more than `thickness` metres is behind it.
+  BodyId add_surface(const surface::ReliefMesh& relief, const Material& material,
+                     double thickness = std::numeric_limits<double>::infinity());
 
   // An impulse through the body's centre (N s), from something outside this world: a pen. Wakes the body.
   void push(BodyId body, const Vec3& impulse);

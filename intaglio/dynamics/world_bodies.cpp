@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "intaglio/contact/mass.h"
+#include "intaglio/dynamics/textured_body.h"
 #include "intaglio/dynamics/world_state.h"
 
 namespace intaglio::dynamics {
@@ -18,7 +19,7 @@ struct Inertia {
 };
 
 Inertia inertia_of(const ShapeBody& body) {
-  const contact::MassProperties of = contact::mass_properties(body.shape);
+  const contact::MassProperties of = mass_properties(body);
   Inertia out;
   out.mass = body.material.density * of.volume;
   const Mat3 inertia = body.material.density * of.inertia;
@@ -75,11 +76,13 @@ double ShapeBody::mass() const {
 }
 
 BodyId World::add(const SphereBody& body) {
-  return state_->add({contact::Sphere{body.radius},
-                      body.material,
-                      {body.position, Quat::Identity()},
-                      body.velocity,
-                      body.angular_velocity});
+  ShapeBody sphere;
+  sphere.shape = contact::Sphere{body.radius};
+  sphere.material = body.material;
+  sphere.pose = {body.position, Quat::Identity()};
+  sphere.velocity = body.velocity;
+  sphere.angular_velocity = body.angular_velocity;
+  return state_->add(sphere);
 }
 
 BodyId World::add(const ShapeBody& body) {
@@ -117,8 +120,13 @@ BodyId World::State::add(const ShapeBody& body) {
     inertia = {1, Vec3::Ones(), {}};
   }
   added.held = inertia.held;
-  added.reach = contact::bounding_radius(body.shape) + added.held.position.norm();
-  added.bullet_shape = to_bullet(added.shape, added.held);
+  added.reach = reach(body) + added.held.position.norm();
+  if (added.is_simulated() && options.representation == Representation::relief) {
+    added.faces = body.faces;
+    added.skin = body.skin;
+    added.texel = texel(body);
+  }
+  added.bullet_shape = added.is_textured() ? to_bullet(body, added.held) : to_bullet(added.shape, added.held);
   if (body.motion != Motion::free) inertia.mass = 0;
   btRigidBody::btRigidBodyConstructionInfo info(
       static_cast<btScalar>(inertia.mass), nullptr, added.bullet_shape.whole(),
@@ -128,7 +136,7 @@ BodyId World::State::add(const ShapeBody& body) {
   info.m_restitution = static_cast<btScalar>(body.material.restitution);
   // Bullet's rolling friction of a pair is a.rolling * b.friction + b.rolling * a.friction, a length. Ours is
   // the sum of both materials' times the radius: all of it is given to the body.
-  const double floor_friction = floor.getFriction(), radius = std::visit(RollingRadius{}, added.shape);
+  const double floor_friction = floor->rigid.getFriction(), radius = std::visit(RollingRadius{}, added.shape);
   if (floor_friction > 0)
     info.m_rollingFriction = static_cast<btScalar>(
         (body.material.rolling_resistance + floor_rolling_resistance) * radius / floor_friction);
@@ -152,24 +160,48 @@ BodyId World::State::add(const ShapeBody& body) {
   return id;
 }
 
-BodyId World::add_surface(std::shared_ptr<const surface::Surface> surface, const Material& material) {
-  State& s = *state_;
-  const auto& o = s.options;
-  auto ground = std::make_unique<State::Ground>(std::move(surface),
-                                                ContactOptions{o.representation, o.method, o.normal_method});
-  ground->rigid.setFriction(static_cast<btScalar>(std::sqrt(material.friction)));
-  ground->rigid.setRestitution(static_cast<btScalar>(material.restitution));
-  const auto id = static_cast<BodyId>(first_surface_body + s.grounds.size());
+World::State::Ground::Ground(std::shared_ptr<const surface::Surface> s, const Material& material,
+                             const WorldOptions& o)
+    : surface(s),
+      shape(std::make_unique<TexturedShape>(std::move(s),
+                                            ContactOptions{o.representation, o.method, o.normal_method})),
+      rigid(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, shape.get())) {
+  is_made_of(material);
+}
+
+World::State::Ground::Ground(const surface::ReliefMesh& relief, const Material& material,
+                             const WorldOptions& o, double thickness)
+    : curved(o.representation == Representation::relief ? relief : bare(relief)),
+      shape(std::make_unique<CurvedShape>(*curved, thickness)),
+      rigid(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, shape.get())) {
+  is_made_of(material);
+}
+
+void World::State::Ground::is_made_of(const Material& material) {
+  rigid.setFriction(static_cast<btScalar>(std::sqrt(material.friction)));
+  rigid.setRestitution(static_cast<btScalar>(material.restitution));
+}
+
+BodyId World::State::add(std::unique_ptr<Ground> ground) {
+  const auto id = static_cast<BodyId>(first_surface_body + grounds.size());
   ground->rigid.setUserIndex(static_cast<int>(id));
-  s.world.addRigidBody(&ground->rigid);
-  s.grounds.push_back(std::move(ground));
+  world.addRigidBody(&ground->rigid);
+  grounds.push_back(std::move(ground));
   return id;
+}
+
+BodyId World::add_surface(std::shared_ptr<const surface::Surface> surface, const Material& material) {
+  return state_->add(std::make_unique<State::Ground>(std::move(surface), material, state_->options));
+}
+
+BodyId World::add_surface(const surface::ReliefMesh& relief, const Material& material, double thickness) {
+  return state_->add(std::make_unique<State::Ground>(relief, material, state_->options, thickness));
 }
 
 // A body that would move farther in a substep than contacts can be asked for is slowed to that.
 void World::State::slow(Body& body) const {
   if (!body.is_moving()) return;
-  const double fastest = options.most_substeps * floor_shape.look_ahead() / options.step;
+  const double fastest = options.most_substeps * floor->shape->look_ahead() / options.step;
   const double speed = static_cast<double>(body.rigid->getLinearVelocity().length());
   if (speed > fastest) {
     body.rigid->setLinearVelocity(body.rigid->getLinearVelocity() * static_cast<btScalar>(fastest / speed));
@@ -185,6 +217,18 @@ void World::State::slow(Body& body) const {
   }
 }
 
+namespace {
+
+// Whether it is off the rectangle, or under the relief.
+unsigned place_on(const surface::Surface& relief, const Vec3& position) {
+  const surface::Placement& place = relief.placement();
+  const Vec3 local = place.to_local(position);
+  if (!place.covers(local)) return contact::status::off_edge;
+  return local.z() < -relief.depth(place.uv(local)) ? contact::status::under : 0;
+}
+
+}  // namespace
+
 // What is the matter with it after a step. A body that is lost is taken out of the world, where it last was.
 void World::State::look_after(Body& body) {
   if (!body.is_moving()) return;
@@ -198,15 +242,9 @@ void World::State::look_after(Body& body) {
     body.rigid->setWorldTransform(body.last_good);
   } else {
     body.last_good = body.rigid->getWorldTransform();
-    const surface::Placement& place = floor_shape.relief().placement();
-    const Vec3 local = place.to_local(at.position);
     if (at.position.norm() > far_away) body.status |= contact::status::far;
     if (at.position.norm() > lost) body.status |= not_simulated;
-    if (!place.covers(local)) {
-      body.status |= contact::status::off_edge;
-    } else if (local.z() < -floor_shape.relief().depth(place.uv(local))) {
-      body.status |= contact::status::under;
-    }
+    if (const TexturedShape* flat = floor->flat()) body.status |= place_on(flat->relief(), at.position);
   }
   if (body.is_simulated()) return;
   body.rigid->setLinearVelocity({0, 0, 0});

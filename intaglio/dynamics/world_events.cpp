@@ -17,20 +17,76 @@ Vec3 impulse_of(const btManifoldPoint& point) {
 
 }  // namespace
 
-ContactEvent World::State::event(const Body& body, BodyId other, const Vec3& point, const Vec3& impulse,
-                                 double dt) const {
-  const surface::Surface& touched = surface_of(is_surface(other) ? other : floor_body);
-  const surface::Placement& place = touched.placement();
-  const Vec3 velocity = from_bullet(body.rigid->getLinearVelocity());
+World::State::Touch& World::State::Body::touch(BodyId other) {
+  const auto same = [&](const Touch& t) { return t.other == other; };
+  const auto known = std::find_if(touches.begin(), touches.end(), same);
+  if (known != touches.end()) return *known;
+  touches.push_back({});
+  touches.back().other = other;
+  return touches.back();
+}
+
+std::optional<World::State::Texture> World::State::face_texture(const Body& body, const Vec3& point,
+                                                                const Vec3& normal) const {
+  const Pose at = pose(body);
+  const Vec3 local = at.to_local(point), out = at.orientation.conjugate() * normal;
+  for (const auto& face : body.faces) {
+    const surface::Placement& place = face->placement();
+    const Vec3 on = place.to_local(local);
+    const double slack = 0.1 * body.texel + 1e-5;
+    if (out.dot(place.n()) < 0.05 || !place.covers(on) || on.z() > slack ||
+        on.z() < -face->max_depth() - slack)
+      continue;
+    return Texture{place.uv(on), at.orientation * place.n(), normal};
+  }
+  return std::nullopt;
+}
+
+std::optional<World::State::Texture> World::State::texture(BodyId other, const Vec3& point,
+                                                           const Vec3& normal) const {
+  const surface::ReliefMesh* curved = nullptr;
+  Pose at;
+  if (!is_surface(other)) {
+    const Body& body = bodies[other - 1];
+    if (!body.skin) return face_texture(body, point, normal);
+    curved = &*body.skin;
+    at = pose(body);
+  } else {
+    const Ground& touched = ground(other);
+    if (touched.curved) {
+      curved = &*touched.curved;
+    } else {
+      const surface::Placement& place = touched.surface->placement();
+      const Vec2 uv = place.uv(place.to_local(point));
+      const bool is_flat = options.representation == Representation::flat;
+      return Texture{uv, place.n(), is_flat ? place.n() : touched.surface->world_normal(uv)};
+    }
+  }
+  const double reach = curved->surface().max_depth() + curved->texel();
+  const auto under = curved->base().closest(at.to_local(point), reach);
+  if (!under) return Texture{Vec2::Zero(), normal, normal};
+  return Texture{under->uv, at.orientation * under->n, normal};
+}
+
+Vec3 World::State::velocity_of(BodyId other, const Vec3& point) const {
+  if (is_surface(other)) return Vec3::Zero();
+  const btRigidBody& rigid = *bodies[other - 1].rigid;
+  return from_bullet(rigid.getVelocityInLocalPoint(to_bullet(point) - rigid.getCenterOfMassPosition()));
+}
+
+ContactEvent World::State::event(const Body& body, const Touch& touch, const Texture& texture,
+                                 const Vec3& impulse, double dt) const {
+  const Vec3& point = touch.point;
+  const Vec3 velocity = from_bullet(body.rigid->getLinearVelocity()) - velocity_of(touch.other, point);
   ContactEvent event;
   event.time = time;
   event.body = id(*body.rigid);
-  event.other = other;
-  event.phase = body.touching ? ContactPhase::persist : ContactPhase::begin;
-  event.point = drawn && other == floor_body ? drawn->point(point) : point;
-  event.uv = place.uv(place.to_local(point));
-  event.n_g = place.n();
-  event.n_s = options.representation == Representation::flat ? event.n_g : touched.world_normal(event.uv);
+  event.other = touch.other;
+  event.phase = touch.before ? ContactPhase::persist : ContactPhase::begin;
+  event.point = drawn && touch.other == floor_body ? drawn->point(point) : point;
+  event.uv = texture.uv;
+  event.n_g = texture.n_g;
+  event.n_s = texture.n_s;
   event.v_t = velocity - velocity.dot(event.n_g) * event.n_g;
   const Vec3 arm = point - from_bullet(body.rigid->getCenterOfMassPosition());
   const Vec3 turning = from_bullet(body.rigid->getAngularVelocity()).cross(arm);
@@ -50,61 +106,97 @@ void World::State::collect(const btPersistentManifold& manifold, double dt) {
     const Vec3 impulse = impulse_of(point);
     if (impulse.isZero()) continue;
     if (!is_surface(a)) body(a).gained += impulse;
-    if (!is_surface(b)) {
-      body(b).gained -= impulse;
-      body(a).met_another = body(b).met_another = true;
-      if (options.report_pairs) collect_pair(point, impulse, a, b, dt);
-      continue;
-    }
-    if (is_surface(a) || !body(a).rigid->isActive()) continue;  // asleep: it is not happening again
-    Body& touching = body(a);
-    touching.touched = true;
-    touching.last_point = from_bullet(point.m_positionWorldOnB);
-    touching.last_other = b;
-    events.push_back(event(touching, b, touching.last_point, impulse, dt));
+    if (!is_surface(b)) body(b).gained -= impulse;
+    if (is_surface(a) && is_surface(b)) continue;
+    if (!is_surface(a) && !is_surface(b)) body(a).met_another = body(b).met_another = true;
+    collect_point(point, impulse, a, b, dt);
   }
+}
+
+// Tells who touched whom: the one without texture, or the one that moves, or the one that was added first
+// touches the other.
+void World::State::collect_point(const btManifoldPoint& point, const Vec3& impulse, BodyId a, BodyId b,
+                                 double dt) {
+  const auto is_textured = [&](BodyId id) { return is_surface(id) || body(id).is_textured(); };
+  const auto is_free = [&](BodyId id) { return !is_surface(id) && body(id).motion == Motion::free; };
+  const bool both = is_textured(a) == is_textured(b);
+  const bool turned = is_free(a) != is_free(b) ? is_free(b) : both ? a > b : is_textured(a);
+  const auto tell = [&](bool b_touches_a) {
+    const Vec3 normal = from_bullet(point.m_normalWorldOnB) * (b_touches_a ? -1 : 1);
+    const Vec3 on = from_bullet(b_touches_a ? point.m_positionWorldOnA : point.m_positionWorldOnB);
+    return told(b_touches_a ? b : a, b_touches_a ? a : b, on, normal, b_touches_a ? Vec3(-impulse) : impulse,
+                dt);
+  };
+  // What touches a textured body where it has no texture may have one itself.
+  if (tell(turned) || (both && is_free(a) && is_free(b) && tell(!turned)) || !options.report_pairs) return;
+  const Vec3 normal = from_bullet(point.m_normalWorldOnB) * (turned ? -1 : 1);
+  collect_pair(from_bullet(point.m_positionWorldOnB), normal, turned ? Vec3(-impulse) : impulse,
+               turned ? b : a, turned ? a : b, dt);
+}
+
+bool World::State::told(BodyId who, BodyId other, const Vec3& on, const Vec3& normal, const Vec3& impulse,
+                        double dt) {
+  const std::optional<Texture> met = texture(other, on, normal);
+  if (!met) return false;
+  Body& touching = body(who);
+  if (!touching.rigid->isActive()) return true;  // asleep: it is not happening again
+  touching.on_ground |= is_surface(other);
+  Touch& touch = touching.touch(other);
+  touch.now = true;
+  touch.point = on;
+  touch.normal = normal;
+  events.push_back(event(touching, touch, *met, impulse, dt));
+  return true;
 }
 
 // Two bodies without texture between them. Each blow is told as a contact of its own, begun and over in its
 // step, so that nothing lingers; resting pairs push too little to be told.
-void World::State::collect_pair(const btManifoldPoint& point, const Vec3& impulse, BodyId a, BodyId b,
-                                double dt) {
-  const bool a_moves = body(a).motion == Motion::free;
-  const Body& moved = body(a_moves ? a : b);
+void World::State::collect_pair(const Vec3& point, const Vec3& normal, const Vec3& impulse, BodyId a,
+                                BodyId b, double dt) {
+  const Body& moved = body(a);
   const double mass = 1 / static_cast<double>(moved.rigid->getInvMass());
   if (!moved.rigid->isActive() || impulse.norm() < 2 * mass * options.gravity.norm() * dt) return;
-  const Vec3 normal = from_bullet(point.m_normalWorldOnB) * (a_moves ? 1 : -1);
-  ContactEvent told;
-  told.time = time;
-  told.body = a_moves ? a : b;
-  told.other = a_moves ? b : a;
-  told.phase = ContactPhase::begin;
-  told.point = from_bullet(point.m_positionWorldOnB);
-  told.n_g = told.n_s = normal;
+  ContactEvent blow;
+  blow.time = time;
+  blow.body = a;
+  blow.other = b;
+  blow.phase = ContactPhase::begin;
+  blow.point = point;
+  blow.n_g = blow.n_s = normal;
   const Vec3 velocity = from_bullet(moved.rigid->getLinearVelocity());
-  told.v_t = velocity - velocity.dot(normal) * normal;
-  told.impulse = a_moves ? impulse : Vec3(-impulse);
-  told.duration = dt;
-  told.body_pose = drawn_pose(moved);
-  events.push_back(told);
+  blow.v_t = velocity - velocity.dot(normal) * normal;
+  blow.impulse = impulse;
+  blow.duration = dt;
+  blow.body_pose = drawn_pose(moved);
+  events.push_back(blow);
+}
+
+void World::State::collect_ends(double dt) {
+  for (Body& body : bodies) {
+    if (!body.is_moving()) continue;
+    for (Touch& touch : body.touches) {
+      if (touch.before && !touch.now) {
+        const auto met = texture(touch.other, touch.point, touch.normal);
+        const Texture last = met.value_or(Texture{Vec2::Zero(), touch.normal, touch.normal});
+        events.push_back(event(body, touch, last, Vec3::Zero(), dt));
+        events.back().phase = ContactPhase::end;
+      }
+      touch.before = touch.now;
+    }
+    std::erase_if(body.touches, [](const Touch& touch) { return !touch.now; });
+  }
 }
 
 void World::State::collect(double dt) {
   const auto first = static_cast<std::ptrdiff_t>(events.size());
   for (Body& body : bodies) {
     body.gained.setZero();
-    body.touched = body.met_another = false;
+    body.on_ground = body.met_another = false;
+    for (Touch& touch : body.touches) touch.now = false;
   }
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m)
     collect(*dispatcher.getManifoldByIndexInternal(m), dt);
-  for (Body& body : bodies) {
-    if (!body.is_moving()) continue;
-    if (body.touching && !body.touched) {
-      events.push_back(event(body, body.last_other, body.last_point, Vec3::Zero(), dt));
-      events.back().phase = ContactPhase::end;
-    }
-    body.touching = body.touched;
-  }
+  collect_ends(dt);
   // Manifolds come in the order of Bullet's broad phase; events in the order of bodies.
   std::stable_sort(events.begin() + first, events.end(),
                    [](const ContactEvent& a, const ContactEvent& b) { return a.body < b.body; });
@@ -112,7 +204,7 @@ void World::State::collect(double dt) {
 
 void World::State::audit(double dt) {
   for (const Body& body : bodies) {
-    if (!body.is_moving()) continue;
+    if (!body.is_moving() || !body.was_awake) continue;
     const double mass = 1.0 / static_cast<double>(body.rigid->getInvMass());
     const double size = body.gained.norm();
     Vec3 expected = body.velocity_before + options.gravity * dt;

@@ -9,6 +9,7 @@
 
 #include "intaglio/dynamics/bullet_shape.h"
 #include "intaglio/dynamics/bullet_vec.h"
+#include "intaglio/dynamics/curved_shape.h"
 #include "intaglio/dynamics/drawn.h"
 #include "intaglio/dynamics/textured_shape.h"
 #include "intaglio/dynamics/world.h"
@@ -16,47 +17,68 @@
 namespace intaglio::dynamics {
 
 struct World::State {
+  // Whom a body touched: now, or in the step before.
+  struct Touch {
+    BodyId other = floor_body;
+    bool before = false, now = false;
+    Vec3 point = Vec3::Zero(), normal = Vec3::UnitY();  // where, the last time
+  };
   struct Body {
     contact::Shape shape;
+    std::vector<std::shared_ptr<const surface::Surface>> faces;  // empty in a world without relief
+    std::optional<surface::ReliefMesh> skin;                     // likewise
     Pose held;  // of the shape in Bullet's frame: principal axes round the centre of mass
     BulletShape bullet_shape;
     std::unique_ptr<btRigidBody> rigid;
-    double reach = 0;                // m, of the shape around its centre of mass
-    Vec3 gained = Vec3::Zero();      // N s, reported in this step
-    Vec3 last_point = Vec3::Zero();  // where it last touched
+    double reach = 0;            // m, of the shape around its centre of mass
+    double texel = 0;            // m, of its own relief; 0: none
+    Vec3 gained = Vec3::Zero();  // N s, reported in this step
     Vec3 velocity_before = Vec3::Zero();
     btTransform last_good = btTransform::getIdentity();
     double energy_before = 0;  // J
     unsigned status = 0;
     Motion motion = Motion::free;
-    BodyId last_other = floor_body;
-    bool touching = false, touched = false, met_another = false;
+    std::vector<Touch> touches;
+    bool on_ground = false, met_another = false;  // in this step
+    bool was_awake = false;                       // before it: Bullet lets gravity pull on no other
 
     bool is_simulated() const { return (status & not_simulated) == 0; }
     bool is_moving() const { return motion == Motion::free && is_simulated() && rigid->isActive(); }
+    bool is_textured() const { return skin || !faces.empty(); }
+    Touch& touch(BodyId other);
   };
-  // A surface beside the floor.
+  // A textured surface that does not move: the floor, or one beside it.
   struct Ground {
-    std::shared_ptr<const surface::Surface> surface;
-    TexturedShape shape;
+    std::shared_ptr<const surface::Surface> surface;  // on its rectangle, or
+    std::optional<surface::ReliefMesh> curved;        // on a base
+    std::unique_ptr<TouchableShape> shape;
     btRigidBody rigid;
 
-    Ground(std::shared_ptr<const surface::Surface> s, const ContactOptions& options)
-        : surface(s),
-          shape(std::move(s), options),
-          rigid(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &shape)) {}
+    Ground(std::shared_ptr<const surface::Surface> s, const Material& material, const WorldOptions& o);
+    Ground(const surface::ReliefMesh& relief, const Material& material, const WorldOptions& o,
+           double thickness);
+    // The rectangle, where there is one.
+    const TexturedShape* flat() const {
+      return curved ? nullptr : static_cast<const TexturedShape*>(shape.get());
+    }
+
+   private:
+    void is_made_of(const Material& material);
+  };
+  // What a contact with something textured is one with.
+  struct Texture {
+    Vec2 uv = Vec2::Zero();
+    Vec3 n_g, n_s;
   };
 
   WorldOptions options;
-  std::shared_ptr<const surface::Surface> surface;
   btDefaultCollisionConfiguration configuration;
   btCollisionDispatcher dispatcher{&configuration};
   btDbvtBroadphase broadphase;
   btSequentialImpulseConstraintSolver solver;
   btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
-  TexturedShape floor_shape;
+  std::unique_ptr<Ground> floor;
   std::optional<Drawn> drawn;  // when what is simulated is not what is drawn
-  btRigidBody floor;
   double floor_rolling_resistance = 0;
   std::vector<Body> bodies;
   std::vector<std::unique_ptr<Ground>> grounds;
@@ -65,11 +87,13 @@ struct World::State {
   std::int64_t steps = 0;
   double momentum_residual = 0;
 
-  State(std::shared_ptr<const surface::Surface> s, const Material& material, const WorldOptions& o);
+  State(std::unique_ptr<Ground> floor, const Material& material, const WorldOptions& o);
   ~State();
 
   Body& body(BodyId id);
-  BodyId add(const ShapeBody& body);  // world_bodies.cpp
+  // world_bodies.cpp
+  BodyId add(const ShapeBody& body);
+  BodyId add(std::unique_ptr<Ground> ground);
   void place(Body& body, const Pose& pose, const Vec3& velocity, const Vec3& angular_velocity);
   BodyId id(const btCollisionObject& object) const { return static_cast<BodyId>(object.getUserIndex()); }
   Pose pose(const Body& b) const {
@@ -91,11 +115,21 @@ struct World::State {
   // world_events.cpp
   void collect(double dt);
   void collect(const btPersistentManifold& manifold, double dt);
-  void collect_pair(const btManifoldPoint& point, const Vec3& impulse, BodyId a, BodyId b, double dt);
-  ContactEvent event(const Body& body, BodyId other, const Vec3& point, const Vec3& impulse, double dt) const;
-  const surface::Surface& surface_of(BodyId id) const {
-    return id == floor_body ? *surface : *grounds[id - first_surface_body]->surface;
+  void collect_point(const btManifoldPoint& point, const Vec3& impulse, BodyId a, BodyId b, double dt);
+  // Tells that `who` touches the texture of `other`; false where that has none.
+  bool told(BodyId who, BodyId other, const Vec3& on, const Vec3& normal, const Vec3& impulse, double dt);
+  void collect_pair(const Vec3& point, const Vec3& normal, const Vec3& impulse, BodyId a, BodyId b,
+                    double dt);
+  void collect_ends(double dt);
+  ContactEvent event(const Body& body, const Touch& touch, const Texture& texture, const Vec3& impulse,
+                     double dt) const;
+  Vec3 velocity_of(BodyId other, const Vec3& point) const;
+  const Ground& ground(BodyId id) const {
+    return id == floor_body ? *floor : *grounds[id - first_surface_body];
   }
+  // Nothing where what is touched has no texture.
+  std::optional<Texture> texture(BodyId other, const Vec3& point, const Vec3& normal) const;
+  std::optional<Texture> face_texture(const Body& body, const Vec3& point, const Vec3& normal) const;
   void audit(double dt);
 };
 

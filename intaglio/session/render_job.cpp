@@ -60,9 +60,9 @@ class Outputs {
 // Draws and encodes snapshots, on a thread of its own or on the caller's.
 class Pictures {
  public:
-  Pictures(const Scene& scene, render::Renderer& renderer, VideoWriter& video, bool own_thread,
+  Pictures(ScenePicture picture, render::Renderer& renderer, VideoWriter& video, bool own_thread,
            std::int64_t frames)
-      : picture_(scene),
+      : picture_(std::move(picture)),
         renderer_(renderer),
         video_(video),
         key_every_(std::max<std::int64_t>(1, frames / 6)) {
@@ -179,7 +179,7 @@ Result<Recording> render(const Scene& scene, const RenderJob& job) {
   if (!video) return tl::unexpected(video.error());
 
   const auto frames = static_cast<std::int64_t>(scene.duration * scene.video.fps + 1e-9);
-  Pictures pictures(scene, **renderer, **video, job.threads > 1, frames);
+  Pictures pictures({scene, *surface}, **renderer, **video, job.threads > 1, frames);
   for (std::int64_t frame = 0; frame < frames; ++frame) {
     if (job.interrupted != nullptr && job.interrupted->load())
       return fail(job.output.string(), "interrupted: nothing was written");

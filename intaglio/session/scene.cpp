@@ -13,33 +13,8 @@ namespace intaglio::session {
 namespace {
 
 void read_surface(TomlReader& r, SurfaceScene& surface) {
-  r.text("texture", surface.texture);
-  if (r.has("green")) {
-    int green = 0;
-    r.choice("green", {"+Y", "-Y"}, green);
-    surface.green = green == 0 ? surface::Green::plus_y : surface::Green::minus_y;
-  } else {
-    r.optional_key("green");
-  }
-  if (r.has("polarity")) {
-    int polarity = 0;
-    r.choice("polarity", {"depth", "height"}, polarity);
-    surface.polarity = polarity == 0 ? surface::Polarity::depth : surface::Polarity::height;
-  } else {
-    r.optional_key("polarity");
-  }
-  int edge = static_cast<int>(surface.edge);
-  r.choice("edge", {"wrap", "clamp"}, edge);
-  surface.edge = static_cast<surface::Edge>(edge);
+  read_texture(r, surface);
   r.pair("size", surface.size, {0.01, 100, false, "a side must be between 0.01 m and 100 m"});
-  if (r.has("depth")) {
-    r.number("depth", surface.depth.emplace(), at_least_zero("depth must be between 0 m and 10 m", 10));
-  } else {
-    r.optional_key("depth");
-  }
-  int mode = static_cast<int>(surface.mode);
-  r.choice("maps", {"fused", "raw"}, mode);
-  surface.mode = static_cast<surface::ImportMode>(mode);
   r.number("thickness", surface.thickness,
            positive("thickness must be greater than 0 m and at most 10 m", 10));
   r.vector("position", surface.position);
@@ -162,7 +137,10 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name) {
   read_direction(r, "light", scene.light);
   r.table("surface", [&](TomlReader& t) { read_surface(t, scene.surface); });
   r.table("physics", [&](TomlReader& t) { read_physics(t, scene.physics); });
-  r.tables("ground", [&](TomlReader& t) { read_surface(t, scene.grounds.emplace_back()); });
+  r.tables("ground", [&](TomlReader& t) {
+    read_surface(t, scene.grounds.emplace_back());
+    read_base(t, scene.grounds.back());
+  });
   r.tables("ball", [&](TomlReader& t) { read_ball(t, scene.surface, scene.balls); });
   r.tables("body", [&](TomlReader& t) { read_body(t, scene.surface, scene.bodies); });
   r.table("pen", [&](TomlReader& t) { read_pen(t, scene.pen.emplace()); });
@@ -180,14 +158,19 @@ Result<Scene> read_scene(const std::filesystem::path& path) {
   auto scene = parse_scene({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path.string());
   if (!scene) return scene;
   // What is not in the working folder may lie beside the scene.
-  const auto find = [&](SurfaceScene& surface) {
+  const auto find = [&](std::string& file) {
     std::error_code ignored;
-    const auto beside = path.parent_path() / surface.texture;
-    if (!std::filesystem::exists(surface.texture, ignored) && std::filesystem::exists(beside, ignored))
-      surface.texture = beside.string();
+    const auto beside = path.parent_path() / file;
+    if (!std::filesystem::exists(file, ignored) && std::filesystem::exists(beside, ignored))
+      file = beside.string();
   };
-  find(scene->surface);
-  for (SurfaceScene& ground : scene->grounds) find(ground);
+  find(scene->surface.texture);
+  for (SurfaceScene& ground : scene->grounds) {
+    find(ground.texture);
+    if (ground.base && !ground.base->file.empty()) find(ground.base->file);
+  }
+  for (BodyScene& body : scene->bodies)
+    for (SurfaceScene& relief : body.reliefs) find(relief.texture);
   return scene;
 }
 

@@ -19,13 +19,23 @@
 
 namespace intaglio::session {
 
+// A curved base that a texture goes over `repeat` times, instead of once over a rectangle.
+struct BaseScene {
+  enum class Shape { bowl, cylinder, sphere, mesh };  // surface/mesh/mesh_shapes.h, or a file
+  Shape shape = Shape::bowl;
+  double radius = 0.3, height = 0.5;  // m; the height of a cylinder
+  std::string file;                   // of a mesh with texture coordinates
+  Vec2 repeat = Vec2(1, 1);           // whole numbers
+};
+
 struct SurfaceScene {
   std::string texture =
       "brick";  // a built-in name, a recipe (.toml), an image or a folder, relative to the working folder
   std::optional<surface::Green> green;
   std::optional<surface::Polarity> polarity;
   surface::Edge edge = surface::Edge::wrap;
-  Vec2 size = Vec2(1, 1);       // m
+  Vec2 size = Vec2(1, 1);  // m
+  std::optional<BaseScene> base;
   std::optional<double> depth;  // m, of a full-depth texel; unset: what the texture itself implies
   surface::ImportMode mode = surface::ImportMode::fused;
   double thickness = 0.05;       // m, of the slab that rings and is drawn
@@ -58,6 +68,7 @@ struct Flipper {
 struct BodyScene {
   std::string name;  // for reports: "box", "letter A"
   dynamics::ShapeBody body;
+  std::vector<SurfaceScene> reliefs;  // on it, in its frame: of a box its top and bottom, of a ball its skin
   Vec3 colour = Vec3(0.62, 0.30, 0.10);  // linear RGB
   double kick = 0;                       // m/s that it adds to a ball that touches it: a bumper
   std::optional<Flipper> flipper;        // then its motion is driven

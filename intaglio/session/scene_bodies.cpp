@@ -132,6 +132,7 @@ void read_body(TomlReader& r, const SurfaceScene& floor, std::vector<BodyScene>&
   read_colour(r, body.colour);
   r.number("kick", body.kick, at_least_zero("a kick must be between 0 and 20 m/s", 20));
   read_flipper(r, body);
+  read_reliefs(r, is.shape, body.reliefs);
   is.pose = {frame.to_world(position), frame.orientation * rotation_of(degrees)};
   is.velocity = frame.orientation * velocity;
   is.angular_velocity = frame.orientation * spin;

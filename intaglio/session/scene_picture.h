@@ -15,18 +15,28 @@ namespace intaglio::session {
 
 class ScenePicture {
  public:
-  explicit ScenePicture(const Scene& scene);
+  ScenePicture(const Scene& scene, const SceneSurface& surface);
 
   // Camera, light and representation are the scene's; change what you like.
   render::FrameScene frame(std::span<const Pose> balls, std::span<const Pose> bodies,
                            const std::optional<Vec3>& pen_tip) const;
 
  private:
+  void add_body(std::size_t k, const std::vector<SceneSurface>& reliefs);
+
   Scene scene_;
-  std::vector<render::Solid> solids_;  // where they were at the start
+  std::vector<render::Solid>
+      solids_;  // where they were at the start: of bodies, then the backs of curved ground
+  std::vector<render::FrameScene::PartPose> part_poses_;
+  // Of each body: which of these it has.
+  struct Drawn {
+    std::optional<std::size_t> solid;
+    std::size_t first_part = 0, parts = 0;
+  };
+  std::vector<Drawn> drawn_;
 };
 
-// What the renderer shows of a scene's surfaces: the floor, then the grounds.
+// What the renderer shows of a scene's surfaces: the floor, then the grounds, then the reliefs of bodies.
 std::vector<render::SurfacePart> surface_parts(const Scene& scene, const SceneSurface& surface);
 
 }  // namespace intaglio::session

@@ -18,6 +18,13 @@ inline Range at_least_zero(const char* says, double high = std::numeric_limits<d
 
 void read_direction(TomlReader& r, const char* key, Vec3& direction);
 
+// Which texture, and how it is taken.
+void read_texture(TomlReader& r, SurfaceScene& surface);
+// The curved base of a ground.
+void read_base(TomlReader& r, SurfaceScene& surface);
+// The reliefs of a body of that shape.
+void read_reliefs(TomlReader& r, const contact::Shape& shape, std::vector<SurfaceScene>& reliefs);
+
 // Each adds what the table says; `floor` is the frame of those that ask for it.
 void read_ball(TomlReader& r, const SurfaceScene& floor, std::vector<BallScene>& balls);
 void read_body(TomlReader& r, const SurfaceScene& floor, std::vector<BodyScene>& bodies);

@@ -1,14 +1,17 @@
 #include "intaglio/session/scene_surface.h"
 
+#include "intaglio/session/scene_base.h"
 #include "intaglio/surface/builtin/builtin.h"
 #include "intaglio/surface/import.h"
 #include "intaglio/surface/maps.h"
+#include "intaglio/surface/mesh/mesh_shapes.h"
 
 namespace intaglio::session {
 
 namespace {
 
-Result<SceneSurface> make_one(const SurfaceScene& from) {
+// On its rectangle.
+Result<SceneSurface> make_flat(const SurfaceScene& from) {
   SceneSurface out;
   out.material = *find_material("brick");
   surface::Texels texels;
@@ -47,7 +50,56 @@ Result<SceneSurface> make_one(const SurfaceScene& from) {
   return out;
 }
 
+Result<SceneSurface> make_one(const SurfaceScene& from) {
+  if (!from.base) return make_flat(from);
+  auto base = make_base(*from.base, {from.position, rotation_of(from.rotation)});
+  if (!base) return tl::unexpected(base.error());
+  SurfaceScene measured = from;
+  measured.size = texture_size(base->mesh());
+  auto out = make_flat(measured);
+  if (!out) return out;
+  auto curved = surface::ReliefMesh::make(out->surface, std::move(*base));
+  if (!curved) return tl::unexpected(curved.error());
+  out->curved = std::move(*curved);
+  return out;
+}
+
+// Of a body the box must be left between its reliefs.
+Result<std::vector<SceneSurface>> make_reliefs(const BodyScene& body) {
+  std::vector<SceneSurface> out;
+  double depth = 0;
+  for (const SurfaceScene& relief : body.reliefs) {
+    auto made = make_one(relief);
+    if (!made) return tl::unexpected(made.error());
+    if (!made->curved) {
+      depth += made->surface->max_depth();
+      made->quad =
+          std::make_shared<const surface::TriangleMesh>(surface::make_quad(made->surface->placement()));
+    }
+    out.push_back(std::move(*made));
+  }
+  const auto* box = std::get_if<contact::Box>(&body.body.shape);
+  if (box != nullptr && depth > 1.8 * box->half.y())
+    return fail(
+        body.reliefs.front().texture,
+        fmt::format("is {:.3g} m deep on a {} that is {:.3g} m thick", depth, body.name, 2 * box->half.y()),
+        "give a lesser depth");
+  return out;
+}
+
 }  // namespace
+
+dynamics::ShapeBody textured(const BodyScene& body, const std::vector<SceneSurface>& reliefs) {
+  dynamics::ShapeBody out = body.body;
+  for (const SceneSurface& relief : reliefs) {
+    if (relief.curved) {
+      out.skin = relief.curved;
+    } else {
+      out.faces.push_back(relief.surface);
+    }
+  }
+  return out;
+}
 
 Result<SceneSurface> make_surface(const Scene& scene) {
   auto floor = make_one(scene.surface);
@@ -56,6 +108,11 @@ Result<SceneSurface> make_surface(const Scene& scene) {
     auto made = make_one(ground);
     if (!made) return made;
     floor->grounds.push_back(std::move(*made));
+  }
+  for (const BodyScene& body : scene.bodies) {
+    auto made = make_reliefs(body);
+    if (!made) return tl::unexpected(made.error());
+    floor->reliefs.push_back(std::move(*made));
   }
   return floor;
 }

@@ -31,9 +31,17 @@ SceneWorld::SceneWorld(const Scene& scene, const SceneSurface& surface, Represen
       step_(1.0 / scene.physics.rate),
       struck_(scene.bodies.size(), 0.0),
       world_(surface.surface, surface.material, world_options(scene, representation)) {
-  for (const SceneSurface& ground : surface.grounds) world_.add_surface(ground.surface, ground.material);
+  for (std::size_t k = 0; k < surface.grounds.size(); ++k) {
+    const SceneSurface& ground = surface.grounds[k];
+    if (ground.curved) {
+      world_.add_surface(*ground.curved, ground.material, scene.grounds[k].thickness);
+    } else {
+      world_.add_surface(ground.surface, ground.material);
+    }
+  }
   for (const BallScene& ball : balls_) world_.add(ball);
-  for (const BodyScene& body : bodies_) world_.add(body.body);
+  for (std::size_t k = 0; k < bodies_.size(); ++k)
+    world_.add(k < surface.reliefs.size() ? textured(bodies_[k], surface.reliefs[k]) : bodies_[k].body);
 }
 
 bool SceneWorld::is_free(BodyId id) const {

@@ -60,8 +60,7 @@ haptics::ServoOptions pen_options(const Scene& scene, const Material& floor) {
 Simulation::Simulation(const Scene& scene, const SceneSurface& surface)
     : scene_(scene),
       surface_(surface.surface),
-      floor_material_(surface.material),
-      grounds_(surface.grounds),
+      scene_surface_(surface),
       clock_({scene.physics.rate, servo_rate(scene), scene.sound.sample_rate, scene.video.fps}),
       world_(scene, surface, scene.surface.representation),
       block_(2 * block_size) {
@@ -78,7 +77,7 @@ Simulation::Simulation(const Scene& scene, const SceneSurface& surface)
     recording_.balls.push_back({world_.ball(k), scene.balls[k].radius, {}});
   if (scene.pen) {
     device_.emplace(scene.pen->device, scene.pen->hand, device_path(*scene.pen));
-    servo_.emplace(surface_, pen_options(scene, floor_material_));
+    servo_.emplace(surface_, pen_options(scene, surface.material));
     if (const auto warning = stability_of(*scene.pen)) recording_.warnings.push_back(*warning);
     recording_.pen = world_.pen();
     pushed_.assign(std::min(scene.balls.size(), haptics::most_balls), Vec3::Zero());
@@ -93,7 +92,7 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const Scene& scene, const
 
 Result<void> Simulation::bake() {
   const std::int64_t start = process_cpu_ns();
-  auto voices = bake_voices(scene_, {surface_, floor_material_, 0, {}, grounds_});
+  auto voices = bake_voices(scene_, scene_surface_);
   if (!voices) return tl::unexpected(voices.error());
   recording_.voices = std::move(voices->voices);
   synthesizer_ = std::make_unique<sound::Synthesizer>(synthesizer_options(scene_), std::move(voices->bodies));

@@ -60,8 +60,7 @@ class Simulation {
 
   Scene scene_;
   std::shared_ptr<const surface::Surface> surface_;
-  Material floor_material_;
-  std::vector<SceneSurface> grounds_;
+  SceneSurface scene_surface_;
   Clock clock_;
   SceneWorld world_;
   std::optional<haptics::SimulatedDevice> device_;

@@ -94,6 +94,21 @@ sound::TetMesh box_mesh(const Vec3& size, int cells) {
   return sound::box(size, along(size.x()), along(size.y()), along(size.z()));
 }
 
+// A curved ground rings like the flat slab over its bounds.
+void add_curved(Bakery& bakery, BodyId id, const std::string& name, const SurfaceScene& ground,
+                const SceneSurface& made) {
+  const surface::Box bounds = made.curved->bounds();
+  const Vec3 size(bounds.sizes().x(), ground.thickness, bounds.sizes().z());
+  sound::SoundBody body;
+  body.id = id;
+  body.is_fixed = true;
+  if (ground.representation != Representation::flat) body.surface = made.surface;
+  body.rest_pose.position = bounds.center();
+  bakery.add(
+      body, name, fmt::format("slab {} {} {}", size.x(), size.y(), size.z()),
+      [size] { return box_mesh(size, 16); }, made.material);
+}
+
 void add_slab(Bakery& bakery, BodyId id, const std::string& name, const SurfaceScene& slab,
               const SceneSurface& made) {
   // The slab hangs below the base plane; its modal model is a box about its middle, Y up.
@@ -145,7 +160,7 @@ Solid solid_of(const contact::Shape& shape) {
           [half] { return box_mesh(2 * half, 8); }};
 }
 
-void add_bodies(Bakery& bakery, const Scene& scene) {
+void add_bodies(Bakery& bakery, const Scene& scene, const SceneSurface& surface) {
   for (std::size_t k = 0; k < scene.balls.size(); ++k) {
     const BallScene& ball = scene.balls[k];
     sound::SoundBody body;
@@ -162,6 +177,9 @@ void add_bodies(Bakery& bakery, const Scene& scene) {
     body.id = static_cast<BodyId>(scene.balls.size() + k + 1);
     body.is_fixed = from.body.motion != dynamics::Motion::free;
     body.rest_pose = from.body.pose;
+    if (k < surface.reliefs.size() && !surface.reliefs[k].empty() &&
+        scene.surface.representation == Representation::relief)
+      body.surface = surface.reliefs[k].front().surface;
     const Solid solid = solid_of(from.body.shape);
     bakery.add(body, fmt::format("{} {}", from.name, k + 1), solid.name, solid.mesh, from.body.material);
   }
@@ -173,9 +191,10 @@ Result<Voices> bake_voices(const Scene& scene, const SceneSurface& surface, cons
   Bakery bakery(scene.name, scene.sound.modes, options);
   add_slab(bakery, floor_body, "floor", scene.surface, surface);
   for (std::size_t k = 0; k < surface.grounds.size(); ++k)
-    add_slab(bakery, static_cast<BodyId>(first_surface_body + k), fmt::format("ground {}", k + 1),
-             scene.grounds[k], surface.grounds[k]);
-  add_bodies(bakery, scene);
+    (surface.grounds[k].curved ? add_curved : add_slab)(bakery, static_cast<BodyId>(first_surface_body + k),
+                                                        fmt::format("ground {}", k + 1), scene.grounds[k],
+                                                        surface.grounds[k]);
+  add_bodies(bakery, scene, surface);
   if (scene.pen) {
     sound::SoundBody body;
     body.id = static_cast<BodyId>(scene.balls.size() + scene.bodies.size() + 1);

@@ -2,7 +2,8 @@
 // folder of models baked before.
 //
 // Takes seconds without such a folder, milliseconds with it. Any thread; the models are immutable. A slab is
-// a box, a letter the box about it, a capsule a cylinder: what is heard is right for balls, boxes, cylinders.
+// a box, a curved ground the slab over its bounds, a letter the box about it, a capsule a cylinder: what is
+// heard is right for balls, boxes, cylinders.
 #pragma once
 
 #include <atomic>

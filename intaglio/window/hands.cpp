@@ -194,18 +194,30 @@ void Hands::lead_pen(session::LiveSession& session, const Projection& projection
     return s.placement().covers(s.placement().to_local(p));
   };
   if (at && !covers(*touched, *at) && !session.surface().grounds.empty()) at.reset();
+  std::optional<PickedBase> curved;
   for (const session::SceneSurface& ground : session.surface().grounds) {
+    if (ground.curved) {
+      const auto there = pick_base(ground.curved->base().mesh(), projection.eye, projection.ray(place()));
+      if (!there || (at && (*at - projection.eye).norm() < (there->point - projection.eye).norm())) continue;
+      at = there->point;
+      curved = there;
+      touched = ground.surface.get();
+      continue;
+    }
     const auto there = pick_floor(*ground.surface, has_relief, projection.eye, projection.ray(place()));
     if (!there || !covers(*ground.surface, *there)) continue;
     if (at && (*at - projection.eye).norm() < (*there - projection.eye).norm()) continue;
     at = there;
+    curved.reset();
     touched = ground.surface.get();
   }
   if (!at) return;
   const surface::Surface& floor = *touched;
   const surface::Placement& placement = floor.placement();
   const double side = std::max(placement.size_u(), placement.size_v());
-  if (motion_ != Motion::press) return session.lead_pen(*at + 0.02 * side * placement.n());
+  const Vec3 normal = curved ? curved->normal : placement.n();
+  if (motion_ != Motion::press) return session.lead_pen(*at + 0.02 * side * normal);
+  if (curved) return session.lead_pen(*at - (floor.max_depth() + 0.01 * press_ * side) * normal);
   const Vec3 local = placement.to_local(*at);
   const double depth = placement.covers(local) ? floor.depth(placement.uv(local)) : 0;
   session.lead_pen(*at - (depth + 0.01 * press_ * side) * placement.n());

@@ -77,4 +77,28 @@ std::optional<Vec3> pick_floor(const surface::Surface& floor, bool has_relief, c
   return origin + t * direction;
 }
 
+std::optional<PickedBase> pick_base(const surface::TriangleMesh& base, const Vec3& origin,
+                                    const Vec3& direction) {
+  std::optional<PickedBase> best;
+  double nearest = never;
+  for (const surface::Triangle& t : base.triangles) {
+    const auto at = [&](std::size_t k) { return static_cast<std::size_t>(t[k]); };
+    const Vec3 &a = base.positions[at(0)], &b = base.positions[at(1)], &c = base.positions[at(2)];
+    const Vec3 across = (b - a).cross(c - a);
+    const double facing = -across.dot(direction);
+    if (!(facing > 0)) continue;
+    const double s = (origin - a).dot(across) / facing;
+    if (!(s > 0) || s >= nearest) continue;
+    const Vec3 p = origin + s * direction;
+    const double area = across.squaredNorm(), v = (p - a).cross(c - a).dot(across) / area,
+                 w = (b - a).cross(p - a).dot(across) / area;
+    if (v < 0 || w < 0 || v + w > 1) continue;
+    nearest = s;
+    best = {
+        p,
+        ((1 - v - w) * base.normals[at(0)] + v * base.normals[at(1)] + w * base.normals[at(2)]).normalized()};
+  }
+  return best;
+}
+
 }  // namespace intaglio::window

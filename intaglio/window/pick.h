@@ -5,6 +5,7 @@
 #include <span>
 
 #include "intaglio/session/scene.h"
+#include "intaglio/surface/mesh/triangle_mesh.h"
 #include "intaglio/surface/surface.h"
 
 namespace intaglio::window {
@@ -23,5 +24,12 @@ std::optional<Picked> pick_body(const session::Scene& scene, std::span<const Pos
 // Where the ray meets the floor's relief, or, beside the rectangle, its base plane.
 std::optional<Vec3> pick_floor(const surface::Surface& floor, bool has_relief, const Vec3& origin,
                                const Vec3& direction);
+
+// Where the ray meets the front of a curved base, with the normal there.
+struct PickedBase {
+  Vec3 point, normal;
+};
+std::optional<PickedBase> pick_base(const surface::TriangleMesh& base, const Vec3& origin,
+                                    const Vec3& direction);
 
 }  // namespace intaglio::window

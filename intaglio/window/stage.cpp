@@ -140,7 +140,7 @@ bool Stage::poll(std::string& message) {
   const bool is_other = !session_ || !loaded->request.goes_on;
   base_ = asked_base_;
   session_ = std::move(loaded->session);
-  picture_ = std::make_unique<session::ScenePicture>(session_->scene());
+  picture_ = std::make_unique<session::ScenePicture>(session_->scene(), session_->surface());
   if (auto shown = show(); !shown) message = shown.error().message();
   session_->start(&tap_, &baker_);
   std::vector<std::filesystem::path> files;

@@ -58,6 +58,16 @@ TEST_CASE("values that make no sense are errors with line and what would be righ
       {"[surface]\nrepresentation = \"bumpy\"\n", "s.toml:2", "relief"},
       {"[surface]\nsize = [0, 1]\n", "s.toml:2", "0.01"},
       {"duration = \"long\"\n", "s.toml:1", "number"},
+      {"[surface]\nbase = { shape = \"bowl\" }\n", "s.toml:2", "surface.base"},
+      {"[[ground]]\nbase = \"bowl\"\n", "s.toml:2", "table"},
+      {"[[ground]]\nbase = { shape = \"cone\" }\n", "s.toml:2", "bowl"},
+      {"[[ground]]\nbase = { radius = 0 }\n", "s.toml:2", "0.01"},
+      {"[[ground]]\nbase = { repeat = [1.5, 2] }\n", "s.toml:2", "whole"},
+      {"[[ground]]\nbase = { shape = \"mesh\" }\n", "s.toml:2", "file"},
+      {"[[body]]\nshape = \"cylinder\"\ntop = { texture = \"brick\" }\n", "s.toml:3", "no top"},
+      {"[[body]]\nskin = { texture = \"brick\" }\n", "s.toml:2", "no skin"},
+      {"[[body]]\nbottom = { textur = \"brick\" }\n", "s.toml:2", "\"texture\""},
+      {"[[body]]\nshape = \"sphere\"\nskin = { repeat = [0, 1] }\n", "s.toml:3", "1 to 64"},
       {"seed = 1.5\n", "s.toml:1", "whole"},
       {"[video]\nwidth = 641\n", "s.toml:2", "even"},
       {"[pen]\nlength = 0.1\n", "s.toml:1", "waypoint"},
@@ -84,4 +94,39 @@ TEST_CASE("a ball's mass overrides its density") {
   const auto scene = parse_scene("[[ball]]\nradius = 0.1\nmaterial = \"steel\"\nmass = 2\n", "s.toml");
   REQUIRE(scene);
   CHECK(scene->balls[0].mass() == doctest::Approx(2));
+}
+
+TEST_CASE("curved grounds and textured bodies are read, each relief in its body's frame") {
+  const auto scene = parse_scene(R"(
+[[ground]]
+texture = "pebbles"
+base = { shape = "cylinder", radius = 0.2, height = 1.5, repeat = [3, 2] }
+[[body]]
+shape = "box"
+size = [0.2, 0.1, 0.4]
+top = { texture = "brick", depth = 0.01 }
+[body.bottom]
+texture = "stone_flags"
+depth = 0.02
+[[body]]
+shape = "sphere"
+radius = 0.07
+skin = { texture = "metal_studs", repeat = [2, 1] }
+[[body]]
+)",
+                                 "s.toml");
+  REQUIRE_MESSAGE(scene, (scene ? "" : scene.error().message()));
+  REQUIRE(scene->grounds.size() == 1);
+  REQUIRE(scene->grounds[0].base);
+  CHECK(scene->grounds[0].base->shape == BaseScene::Shape::cylinder);
+  CHECK(scene->grounds[0].base->repeat == Vec2(3, 2));
+  REQUIRE(scene->bodies.size() == 3);
+  REQUIRE(scene->bodies[0].reliefs.size() == 2);
+  CHECK(scene->bodies[0].reliefs[0].position == Vec3(0, 0.05, 0));
+  CHECK(scene->bodies[0].reliefs[0].size == Vec2(0.2, 0.4));
+  CHECK((rotation_of(scene->bodies[0].reliefs[1].rotation) * Vec3::UnitY() + Vec3::UnitY()).norm() < 1e-12);
+  REQUIRE(scene->bodies[1].reliefs.size() == 1);
+  REQUIRE(scene->bodies[1].reliefs[0].base);
+  CHECK(scene->bodies[1].reliefs[0].base->radius == 0.07);
+  CHECK(scene->bodies[2].reliefs.empty());
 }

@@ -38,10 +38,17 @@ haptics::PenServo make_servo(const Scene& scene, const SceneSurface& surface, bo
   const double footprint = 2 * options.pen.tip_radius;
   solid->add(std::make_unique<haptics::TexturedSlab>(
       surface.surface, haptics::SolidOptions{options.representation, footprint, scene.surface.thickness}));
-  for (std::size_t k = 0; k < surface.grounds.size(); ++k)
-    solid->add(std::make_unique<haptics::TexturedSlab>(
-        surface.grounds[k].surface,
-        haptics::SolidOptions{options.representation, footprint, scene.grounds[k].thickness}));
+  for (std::size_t k = 0; k < surface.grounds.size(); ++k) {
+    const SceneSurface& ground = surface.grounds[k];
+    const double thickness = scene.grounds[k].thickness;
+    const haptics::SolidOptions felt{options.representation, footprint, thickness};
+    if (ground.curved) {
+      solid->add(
+          std::make_unique<haptics::TexturedMesh>(ground.surface, ground.curved->base(), thickness, felt));
+    } else {
+      solid->add(std::make_unique<haptics::TexturedSlab>(ground.surface, felt));
+    }
+  }
   return {surface.surface, solid, options};
 }
 

@@ -1,0 +1,119 @@
+// The scenes with curved ground and textured bodies do what they are there to show.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <set>
+
+#include "intaglio/session/back_mesh.h"
+#include "intaglio/session/scene_base.h"
+#include "intaglio/session/scene_picture.h"
+#include "intaglio/session/scene_world.h"
+
+using namespace intaglio;
+using namespace intaglio::session;
+
+namespace {
+
+struct Played {
+  Scene scene;
+  SceneSurface surface;
+  std::unique_ptr<SceneWorld> world;
+
+  explicit Played(const std::string& name, Representation representation = Representation::relief) {
+    auto read = read_scene(std::string(INTAGLIO_SOURCE_DIR) + "/scenes/" + name + ".toml");
+    REQUIRE_MESSAGE(read, (read ? "" : read.error().message()));
+    scene = std::move(*read);
+    auto made = make_surface(scene);
+    REQUIRE_MESSAGE(made, (made ? "" : made.error().message()));
+    surface = std::move(*made);
+    world = std::make_unique<SceneWorld>(scene, surface, representation);
+  }
+  template <class Look>
+  void run(double seconds, const Look& look) {
+    for (int n = 0; n < seconds * scene.physics.rate; ++n) {
+      world->step();
+      look();
+    }
+  }
+};
+
+}  // namespace
+
+TEST_CASE("gratings: blocks with ridges hold on the slope and on each other, flat ones slide") {
+  Played played("gratings");
+  double slid = 0;
+  std::set<std::pair<BodyId, BodyId>> met;
+  const double from = played.world->pose(3).position.z();
+  played.run(1.5, [&] {
+    slid = std::max(slid, played.world->pose(3).position.z() - from);
+    for (const ContactEvent& e : played.world->world().events()) met.insert({e.body, e.other});
+  });
+  const Pose lower = played.world->pose(0), upper = played.world->pose(1);
+  played.run(2, [] {});
+  const double lower_moved = (played.world->pose(0).position - lower.position).norm(),
+               upper_moved = (played.world->pose(1).position - upper.position).norm();
+  MESSAGE("in two seconds the lower block moved " << 1000 * lower_moved << " mm, the upper one "
+                                                  << 1000 * upper_moved << "; the flat pair " << slid
+                                                  << " m in the first 1.5 s");
+  CHECK(lower_moved < 0.5e-3);
+  CHECK(upper_moved < 0.5e-3);
+  CHECK(slid > 0.2);
+  CHECK(met.count({1, floor_body}) == 1);
+  CHECK(met.count({1, 2}) == 1);
+  CHECK(met.count({3, floor_body}) == 1);
+}
+
+TEST_CASE("bowl: balls stay in it, also when it is smooth; the picture has the bowl's inside and its back") {
+  for (const Representation representation : {Representation::relief, Representation::flat}) {
+    Played played("bowl", representation);
+    double farthest = 0;
+    int told = 0;
+    played.run(3, [&] {
+      for (std::size_t k = 0; k < played.world->count(); ++k)
+        farthest = std::max(farthest, (played.world->pose(k).position - Vec3(0, 0.375, 0)).norm());
+      for (const ContactEvent& e : played.world->world().events())
+        told += e.other == first_surface_body ? 1 : 0;
+    });
+    CHECK(farthest < 0.36 + 0.01);
+    CHECK(told > 300);
+    const auto parts = surface_parts(played.scene, played.surface);
+    REQUIRE(parts.size() == 2);
+    CHECK(parts[0].base == nullptr);
+    CHECK(parts[1].base != nullptr);
+    CHECK(ScenePicture(played.scene, played.surface).frame({}, {}, std::nullopt).solids.size() == 1);
+  }
+}
+
+TEST_CASE("the back of an open base has a rim, a closed base none") {
+  BaseScene base;
+  const auto bowl = make_base(base, {});
+  REQUIRE(bowl);
+  const auto& mesh = bowl->mesh();
+  const render::Mesh back = back_mesh(mesh, 0.001, 0.02);
+  // Each base triangle, and two for each of the 64 edges of the rim.
+  CHECK(back.indices.size() == 3 * (mesh.triangles.size() + 2 * 64));
+  base.shape = BaseScene::Shape::sphere;
+  const auto ball = make_base(base, {});
+  REQUIRE(ball);
+  CHECK(back_mesh(ball->mesh(), 0.001, 0.02).indices.empty());
+  // The mean over its area of its circles of latitude, and half a meridian.
+  const Vec2 size = texture_size(ball->mesh());
+  CHECK(size.x() == doctest::Approx(0.5 * 3.14159265 * 3.14159265 * 0.3).epsilon(0.01));
+  CHECK(size.y() == doctest::Approx(3.14159265 * 0.3).epsilon(0.01));
+}
+
+TEST_CASE("a textured body's texture that is too deep or is not there is said") {
+  auto scene = parse_scene("[[body]]\nsize = [0.1, 0.02, 0.1]\ntop = { depth = 0.03 }\n", "s.toml");
+  REQUIRE(scene);
+  const auto deep = make_surface(*scene);
+  REQUIRE_FALSE(deep);
+  CHECK(deep.error().message().find("thick") != std::string::npos);
+  scene = parse_scene("[[ground]]\nbase = { shape = \"sphere\", radius = 0.02 }\ndepth = 0.03\n", "s.toml");
+  REQUIRE(scene);
+  CHECK_FALSE(make_surface(*scene));
+  scene = parse_scene("[[ground]]\nbase = { shape = \"mesh\", file = \"none.glb\" }\n", "s.toml");
+  REQUIRE(scene);
+  const auto missing = make_surface(*scene);
+  REQUIRE_FALSE(missing);
+  CHECK(missing.error().message().find("none.glb") != std::string::npos);
+}
