@@ -1,7 +1,9 @@
 // What a world's bodies touched in a step, read out of Bullet's manifolds.
 #include <algorithm>
+#include <cmath>
 
 #include "intaglio/contact/impulse.h"
+#include "intaglio/dynamics/touch_stamp.h"
 #include "intaglio/dynamics/world_state.h"
 
 namespace intaglio::dynamics {
@@ -62,6 +64,7 @@ void World::State::collect(const btPersistentManifold& manifold, double dt) {
     touching.last_point = from_bullet(point.m_positionWorldOnB);
     touching.last_other = b;
     events.push_back(event(touching, b, touching.last_point, impulse, dt));
+    if (const auto delay = touch_of(point)) events.back().touch_age = dt - *delay;
   }
 }
 
@@ -89,6 +92,25 @@ void World::State::collect_pair(const btManifoldPoint& point, const Vec3& impuls
   events.push_back(told);
 }
 
+namespace {
+
+// A blow that is resolved after its touch is told as of the step that began with it, with all points of the
+// pair: the first of those that bear a third of the blow decides.
+void tell_when(std::span<ContactEvent> step, double dt) {
+  double whole = 0, late = 0;
+  for (const ContactEvent& event : step) whole += event.impulse.norm();
+  for (const ContactEvent& event : step) {
+    if (event.touch_age > dt && event.impulse.norm() >= whole / 3)
+      late = std::max(late, event.touch_age - dt);
+  }
+  for (ContactEvent& event : step) {
+    event.time -= late;
+    if (!std::isnan(event.touch_age)) event.touch_age = std::clamp(event.touch_age - late, 0.0, dt);
+  }
+}
+
+}  // namespace
+
 void World::State::collect(double dt) {
   const auto first = static_cast<std::ptrdiff_t>(events.size());
   for (Body& body : bodies) {
@@ -108,6 +130,13 @@ void World::State::collect(double dt) {
   // Manifolds come in the order of Bullet's broad phase; events in the order of bodies.
   std::stable_sort(events.begin() + first, events.end(),
                    [](const ContactEvent& a, const ContactEvent& b) { return a.body < b.body; });
+  for (auto from = events.begin() + first; from != events.end();) {
+    const auto to = std::find_if(from, events.end(), [&](const ContactEvent& e) {
+      return e.body != from->body || e.other != from->other;
+    });
+    tell_when({from, to}, dt);
+    from = to;
+  }
 }
 
 void World::State::audit(double dt) {
