@@ -266,7 +266,7 @@ void add_sound(CLI::App& app, Common& common) {
   CLI::App* verb = app.add_subcommand("sound", "Hear models and textures; list audio devices");
   verb->require_subcommand(1);
   add_strike(*verb, common);
-  add_touch(*verb, common, session::Touch::strike, "drop", "A steel ball falls on a texture");
+  add_touch(*verb, common, session::Touch::strike, "drop", "A wooden ball falls on a texture");
   add_touch(*verb, common, session::Touch::scrape, "scrape", "A wooden pen is dragged over a texture");
   add_touch(*verb, common, session::Touch::roll, "roll", "A steel ball rolls over a texture");
   add_page(*verb, common);

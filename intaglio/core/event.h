@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "intaglio/core/vec.h"
 
@@ -33,7 +34,9 @@ struct ContactEvent {
   Vec3 spin = Vec3::Zero();   // m/s, what the body's turning adds to v_t where it touches: -v_t when it rolls
   Vec3 impulse = Vec3::Zero();  // N s, on the body, over the step that ends at `time`
   double duration = 0;          // s, the length of that step
-  Pose body_pose;               // of `body` at `time`
+  // s before `time`, 0..duration: when the surfaces met, of what did not touch before; else not-a-number.
+  double touch_age = std::numeric_limits<double>::quiet_NaN();
+  Pose body_pose;  // of `body` at `time`
 };
 
 }  // namespace intaglio

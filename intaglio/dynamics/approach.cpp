@@ -9,7 +9,7 @@ namespace intaglio::dynamics {
 namespace {
 
 struct Motion {
-  Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();
+  Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero(), gain = Vec3::Zero();
 };
 
 // At the end of the step, were there no contacts.
@@ -17,8 +17,8 @@ Motion free_motion(const btCollisionObject& object, double dt) {
   const btRigidBody* body = btRigidBody::upcast(&object);
   if (body == nullptr || object.isStaticObject()) return {};
   const btVector3 push = body->getTotalForce() * body->getLinearFactor() * body->getInvMass();
-  return {from_bullet(body->getLinearVelocity()) + dt * from_bullet(push),
-          from_bullet(body->getAngularVelocity())};
+  const Vec3 gain = dt * from_bullet(push);
+  return {from_bullet(body->getLinearVelocity()) + gain, from_bullet(body->getAngularVelocity()), gain};
 }
 
 }  // namespace
@@ -44,6 +44,18 @@ Approach::Approach(const btCollisionObjectWrapper& body, const btCollisionObject
   velocity = to_shape *
              (carried(motion, *body.getCollisionObject()) - carried(ground, *textured.getCollisionObject()));
   spin = to_shape * (motion.spin - ground.spin);
+  gain = to_shape * (motion.gain - ground.gain);
+}
+
+Vec3 Approach::held_velocity(const contact::ContactSet& contacts, double slack) const {
+  Vec3 v = velocity;
+  for (int round = 0; round < 4; ++round) {
+    for (const contact::ContactPoint& c : contacts) {
+      const double excess = -(v + spin.cross(c.point - pose.position)).dot(c.normal);
+      if (c.distance <= slack && excess > 0) v += excess * c.normal;
+    }
+  }
+  return v;
 }
 
 Pose Approach::predicted(const contact::ContactSet& contacts) const {

@@ -16,6 +16,7 @@ struct Approach {
   Pose pose;
   Vec3 velocity;  // at the end of the step if nothing touched, m/s
   Vec3 spin;      // rad/s
+  Vec3 gain;      // of velocity over the step, m/s
   double reach;   // of the body around its position, m
   double lever;   // how far from its position turning moves its surface: 0 of a ball
   double dt;      // s
@@ -23,6 +24,8 @@ struct Approach {
   Approach(const btCollisionObjectWrapper& body, const btCollisionObjectWrapper& textured, double dt);
 
   Vec3 velocity_at(const Vec3& point) const { return velocity + spin.cross(point - pose.position); }
+  // The same, kept by those of `contacts` that are within `slack` from going deeper into what they touch.
+  Vec3 held_velocity(const contact::ContactSet& contacts, double slack) const;
   // How far any of its points may move.
   double travel() const { return (velocity.norm() + spin.norm() * lever) * dt; }
   // Where it will be at the end of the step, kept by `contacts` from going through what they touch.

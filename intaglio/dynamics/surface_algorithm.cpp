@@ -7,15 +7,33 @@
 #include "intaglio/dynamics/bullet_shape.h"
 #include "intaglio/dynamics/bullet_vec.h"
 #include "intaglio/dynamics/textured_shape.h"
+#include "intaglio/dynamics/touch_stamp.h"
 
 namespace intaglio::dynamics {
 
 namespace {
 
+constexpr double least_closing = 1e-3;  // m/s, of a touch that has a time
+
 // A contact bounces when it is approached faster than gravity makes it in two steps; slower ones would
 // chatter.
 double bounce_speed(const btRigidBody* body, double dt) {
   return std::max(0.02, body == nullptr ? 0.0 : 2 * dt * static_cast<double>(body->getGravity().length()));
+}
+
+// When a contact that was not pressed before closes, s after the step's start: up to half a step before it,
+// when it bounces late. A body that contacts hold comes at the speed that they leave it; one that flies, on
+// the parabola through where it is at the ends of steps (steps end with the speed of their end, half a step's
+// gain too much).
+std::optional<double> touch_time(const contact::ContactPoint& c, const Approach& approach,
+                                 const Vec3& held_velocity) {
+  const bool flies = held_velocity == approach.velocity || c.distance <= 0;
+  const Vec3 velocity = flies ? Vec3(approach.velocity - 0.5 * approach.gain) : held_velocity;
+  const double closing = -(velocity + approach.spin.cross(c.point - approach.pose.position)).dot(c.normal);
+  if (!(closing > least_closing)) return std::nullopt;
+  const double gain = flies ? -approach.gain.dot(c.normal) / approach.dt : 0;
+  const double root = std::sqrt(std::max(0.0, closing * closing + 2 * gain * c.distance));
+  return std::clamp(2 * c.distance / (closing + root), -0.5 * approach.dt, approach.dt);
 }
 
 // What the pair's contacts share: Bullet's rules of combination.
@@ -65,7 +83,7 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
     contact::ContactSet contacts;
     if (is_near(shape, approach)) contacts = contacts_of(shape, approach, slack);
     if (relief_ != nullptr || (is_free(body) && is_free(textured))) leave_alone(contacts, slack);
-    fill(contacts, approach, *body.getCollisionObject(), *textured.getCollisionObject(),
+    fill(contacts, approach, slack, *body.getCollisionObject(), *textured.getCollisionObject(),
          textured.getWorldTransform());
   }
 
@@ -130,8 +148,8 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
     }
   }
 
-  void fill(const contact::ContactSet& contacts, const Approach& approach, const btCollisionObject& body,
-            const btCollisionObject& textured, const btTransform& frame) {
+  void fill(const contact::ContactSet& contacts, const Approach& approach, double slack,
+            const btCollisionObject& body, const btCollisionObject& textured, const btTransform& frame) {
     // Rebuilt each step, or Bullet's cached points would keep stale normals; impulses stay with their
     // feature.
     OldPoints old;
@@ -142,6 +160,7 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
     }
     btManifoldPoint point = combined(body, textured);
     const double bounces_from = bounce_speed(btRigidBody::upcast(&body), approach.dt);
+    const Vec3 held = approach.held_velocity(contacts, slack);
     std::size_t count = 0;
     for (const contact::ContactPoint& c : contacts) {
       double distance = c.distance;
@@ -165,10 +184,12 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
       point.m_localPointA = body.getWorldTransform().invXform(point.m_positionWorldOnA);
       point.m_localPointB = textured.getWorldTransform().invXform(point.m_positionWorldOnB);
       set_feature(point, c.feature);
+      set_touch(point, touch_time(c, approach, held));
       point.m_appliedImpulse = 0;
       point.m_lifeTime = 0;
       for (std::size_t k = 0; k < old_count; ++k) {
         if (!has_feature(old[k], c.feature)) continue;
+        if (old[k].m_appliedImpulse > 0 && c.distance <= slack) set_touch(point, std::nullopt);
         point.m_appliedImpulse = old[k].m_appliedImpulse;
         point.m_lifeTime = old[k].m_lifeTime + 1;
       }

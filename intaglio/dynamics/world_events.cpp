@@ -1,7 +1,10 @@
 // What a world's bodies touched in a step, read out of Bullet's manifolds.
 #include <algorithm>
+#include <cmath>
+#include <tuple>
 
 #include "intaglio/contact/impulse.h"
+#include "intaglio/dynamics/touch_stamp.h"
 #include "intaglio/dynamics/world_state.h"
 
 namespace intaglio::dynamics {
@@ -124,8 +127,12 @@ void World::State::collect_point(const btManifoldPoint& point, const Vec3& impul
   const auto tell = [&](bool b_touches_a) {
     const Vec3 normal = from_bullet(point.m_normalWorldOnB) * (b_touches_a ? -1 : 1);
     const Vec3 on = from_bullet(b_touches_a ? point.m_positionWorldOnA : point.m_positionWorldOnB);
-    return told(b_touches_a ? b : a, b_touches_a ? a : b, on, normal, b_touches_a ? Vec3(-impulse) : impulse,
-                dt);
+    const std::size_t before = events.size();
+    const bool is_told = told(b_touches_a ? b : a, b_touches_a ? a : b, on, normal,
+                              b_touches_a ? Vec3(-impulse) : impulse, dt);
+    if (const auto delay = touch_of(point); delay && events.size() > before)
+      events.back().touch_age = dt - *delay;
+    return is_told;
   };
   // What touches a textured body where it has no texture may have one itself.
   if (tell(turned) || (both && is_free(a) && is_free(b) && tell(!turned)) || !options.report_pairs) return;
@@ -187,6 +194,25 @@ void World::State::collect_ends(double dt) {
   }
 }
 
+namespace {
+
+// A blow that is resolved after its touch is told as of the step that began with it, with all points of the
+// pair: the first of those that bear a third of the blow decides.
+void tell_when(std::span<ContactEvent> step, double dt) {
+  double whole = 0, late = 0;
+  for (const ContactEvent& event : step) whole += event.impulse.norm();
+  for (const ContactEvent& event : step) {
+    if (event.touch_age > dt && event.impulse.norm() >= whole / 3)
+      late = std::max(late, event.touch_age - dt);
+  }
+  for (ContactEvent& event : step) {
+    event.time -= late;
+    if (!std::isnan(event.touch_age)) event.touch_age = std::clamp(event.touch_age - late, 0.0, dt);
+  }
+}
+
+}  // namespace
+
 void World::State::collect(double dt) {
   const auto first = static_cast<std::ptrdiff_t>(events.size());
   for (Body& body : bodies) {
@@ -197,9 +223,17 @@ void World::State::collect(double dt) {
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m)
     collect(*dispatcher.getManifoldByIndexInternal(m), dt);
   collect_ends(dt);
-  // Manifolds come in the order of Bullet's broad phase; events in the order of bodies.
-  std::stable_sort(events.begin() + first, events.end(),
-                   [](const ContactEvent& a, const ContactEvent& b) { return a.body < b.body; });
+  // Manifolds come in the order of Bullet's broad phase; events in the order of bodies, a pair's together.
+  std::stable_sort(events.begin() + first, events.end(), [](const ContactEvent& a, const ContactEvent& b) {
+    return std::tie(a.body, a.other) < std::tie(b.body, b.other);
+  });
+  for (auto from = events.begin() + first; from != events.end();) {
+    const auto to = std::find_if(from, events.end(), [&](const ContactEvent& e) {
+      return e.body != from->body || e.other != from->other;
+    });
+    tell_when({from, to}, dt);
+    from = to;
+  }
 }
 
 void World::State::audit(double dt) {

@@ -11,6 +11,7 @@
 #include "intaglio/session/report_contacts.h"
 #include "intaglio/session/report_modes.h"
 #include "intaglio/session/report_text.h"
+#include "intaglio/session/report_touches.h"
 
 namespace intaglio::session {
 
@@ -26,16 +27,6 @@ double square(float value) {
   return std::isfinite(value) ? static_cast<double>(value) * static_cast<double>(value) : 0;
 }
 
-std::vector<double> contact_times(const Recording& recording, bool only_beginnings) {
-  std::vector<double> times;
-  for (const ContactEvent& event : recording.events) {
-    if (!std::isfinite(event.time) || event.phase == ContactPhase::end) continue;
-    if (event.phase == ContactPhase::begin || !only_beginnings) times.push_back(event.time);
-  }
-  std::sort(times.begin(), times.end());
-  return times;
-}
-
 // Signed distance to the nearest of `times` (sorted).
 double lag(const std::vector<double>& times, double time) {
   double best = std::numeric_limits<double>::infinity();
@@ -45,7 +36,7 @@ double lag(const std::vector<double>& times, double time) {
   return best;
 }
 
-// Fractions of `onsets`, and of all time, that are near one of `times`.
+// Fractions of `onsets`, and of all time, that are near one of `times` (sorted).
 std::pair<double, double> hits_and_chance(const std::vector<double>& onsets, const std::vector<double>& times,
                                           double duration) {
   const auto near = [&](double onset) { return std::abs(lag(times, onset)) <= Agreement::tolerance; };
@@ -55,18 +46,24 @@ std::pair<double, double> hits_and_chance(const std::vector<double>& onsets, con
   return {ratio(hits, static_cast<double>(onsets.size())), total_seconds(joined(spans, duration)) / duration};
 }
 
+std::vector<double> times_of(const std::vector<Touch>& touches) {
+  std::vector<double> times;
+  for (const Touch& touch : touches) times.push_back(touch.time);
+  return times;
+}
+
 void compare_onsets(const Recording& recording, Agreement& a) {
   const double duration = shown_duration(recording);
   const std::vector<double> onsets = loud_onsets(recording.audio, recording.sample_rate);
-  const std::vector<double> beginnings = contact_times(recording, true);
+  const std::vector<Touch> touches = touches_of(recording);
+  const std::vector<double> all = times_of(touches), clear = times_of(unmasked(touches));
   a.onsets = onsets.size();
-  std::tie(a.onsets_at_contact, a.contact_chance) =
-      hits_and_chance(onsets, contact_times(recording, false), duration);
-  std::tie(a.onsets_at_beginning, a.beginning_chance) = hits_and_chance(onsets, beginnings, duration);
+  std::tie(a.onsets_at_touch, a.onset_chance) = hits_and_chance(onsets, all, duration);
+  a.touches = clear.size();
+  std::tie(a.touches_heard, a.touch_chance) = hits_and_chance(clear, onsets, duration);
   std::vector<double> lags;
   for (const double onset : onsets) {
-    if (const double value = lag(beginnings, onset); std::abs(value) <= Agreement::tolerance)
-      lags.push_back(value);
+    if (const double value = lag(all, onset); std::abs(value) <= Agreement::tolerance) lags.push_back(value);
   }
   std::sort(lags.begin(), lags.end());
   a.median_lag = lags.empty() ? unknown : lags[lags.size() / 2];
@@ -205,15 +202,17 @@ Agreement agreement_of(const Recording& recording) {
 
 std::string agreement_html(const Agreement& a) {
   std::string html = "<dl class=\"agreement\">\n";
-  html += item(percent(a.onsets_at_contact), "Heard when touched",
-               fmt::format("of the {} loud onsets in the audio lie within 20&nbsp;ms of a contact; sounds at "
-                           "random times would score {}.",
-                           a.onsets, percent(a.contact_chance)));
   html += item(
-      percent(a.onsets_at_beginning), "Heard when a touch begins",
+      percent(a.onsets_at_touch), "Touched when heard",
       fmt::format(
-          "of them lie within 20&nbsp;ms of a contact that begins (the others are edges met while sliding or rolling); at random, {}.{}",
-          percent(a.beginning_chance), lag_sentence(a.median_lag)));
+          "of the {} loud onsets in the audio lie within 5&nbsp;ms of a touch: a contact that begins, or "
+          "an edge met within one. Sounds at random times would score {}.{}",
+          a.onsets, percent(a.onset_chance), lag_sentence(a.median_lag)));
+  html +=
+      item(percent(a.touches_heard), "Heard when touched",
+           fmt::format("of the {} touches that nothing masks have a loud onset within 5&nbsp;ms; onsets at "
+                       "random times would give {}.",
+                       a.touches, percent(a.touch_chance)));
   html += item(number(a.relief_correlation, 3), "Felt what is there",
                fmt::format("is the correlation of the pen’s height with the height of the surface under it, "
                            "over {} ticks of touching. 1 is a pen that follows every groove.",

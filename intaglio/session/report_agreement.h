@@ -12,15 +12,18 @@
 namespace intaglio::session {
 
 struct Agreement {
-  static constexpr double tolerance = 0.020;    // s, between a sound and its contact: below what is noticed
+  static constexpr double tolerance = 0.005;    // s, between a sound and its touch
   static constexpr double still_speed = 0.005;  // m/s, below which a touching body rests
   static constexpr double mode_width = 0.03;    // of a frequency, to either side
 
-  // Heard when touched. Chance: what sounds at random times would score.
+  // Touched when heard: fraction of the loud onsets that are near a touch (report_touches.h). Chance: what
+  // sounds at random times would score.
   std::size_t onsets = 0;
-  double onsets_at_contact = 0, contact_chance = 0;      // fractions
-  double onsets_at_beginning = 0, beginning_chance = 0;  // fractions; of contacts that begin
-  double median_lag = 0;  // s, from the nearest beginning, of the onsets that have one
+  double onsets_at_touch = 0, onset_chance = 0;
+  double median_lag = 0;  // s, of the onsets that have a touch, from it
+  // Heard when touched: fraction of the touches that nothing masks that are near a loud onset.
+  std::size_t touches = 0;
+  double touches_heard = 0, touch_chance = 0;
 
   // Felt what is there: Pearson correlation of the tip's height with the height of the surface under it,
   // while touching.

@@ -102,8 +102,9 @@ Result<void> Simulation::bake() {
 }
 
 void Simulation::run_until(Ticks end) {
-  // What is heard in a block may have happened up to one physics step after it was due: wait for that long.
-  const Ticks patience = clock_.due(1, scene_.physics.rate);
+  // What is heard in a block is known up to one and a half physics steps after it was due: wait for that
+  // long.
+  const Ticks patience = 2 * clock_.due(1, scene_.physics.rate);
   const auto block_due = [&] {
     return clock_.due(static_cast<std::int64_t>(block_size) * (blocks_done_ + 1), scene_.sound.sample_rate) +
            patience;
@@ -166,6 +167,7 @@ void Simulation::record(const ContactEvent& event) {
   recording_.events.push_back(event);
   synthesizer_->push(event);
   event_hash_.add(event.time);
+  event_hash_.add(std::isnan(event.touch_age) ? -1 : event.touch_age);
   event_hash_.add(event.body);
   event_hash_.add(static_cast<std::uint8_t>(event.phase));
   for (const Vec3* v : {&event.point, &event.n_s, &event.v_t, &event.impulse}) {

@@ -90,8 +90,8 @@ constexpr const char* head =
     "td,th{padding:.5rem;vertical-align:top;text-align:left}audio{width:200px;height:32px}"
     "small{color:#666}img{border-radius:3px}</style></head><body>\n"
     "<h1>Materials heard</h1>\n"
-    "<p>Each built-in texture on a slab of 50 × 50 × 3 cm: a steel ball of 4 cm falls on it from 15 cm, a wooden pen is "
-    "dragged over it at 15 cm/s, and the ball rolls over it at 0.6 m/s; heard from half a metre. All of it is "
+    "<p>Each built-in texture on a slab of 50 × 50 × 3 cm: a wooden ball of 2 cm falls on it from 1 cm, a wooden pen is "
+    "dragged over it at 15 cm/s, and a steel ball of 2 cm rolls over it at 0.6 m/s; heard from half a metre. All of it is "
     "synthesised from the relief, the material and the contacts of the simulation. The players are brought to one "
     "level; the true one is printed. Spectrograms: 0 to 2 s, 60 Hz to 18 kHz on a logarithmic axis, 70 dB.</p>\n"
     "<table><tr><th></th><th>struck</th><th>scraped</th><th>rolled on</th></tr>\n";

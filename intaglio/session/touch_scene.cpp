@@ -6,7 +6,7 @@ namespace intaglio::session {
 
 namespace {
 
-constexpr double ball_radius = 0.02, rolling_speed = 0.6, scraping_speed = 0.15;
+constexpr double ball_radius = 0.01, falls_from = 0.01, rolling_speed = 0.6, scraping_speed = 0.15;
 
 PenScene scraping_pen() {
   PenScene pen;
@@ -40,9 +40,9 @@ Scene touch_scene(Touch touch, const std::string& texture) {
   scene.camera.target = Vec3::Zero();
   BallScene ball;
   ball.radius = ball_radius;
-  ball.material = *find_material("steel");
+  ball.material = *find_material(touch == Touch::strike ? "wood" : "steel");
   if (touch == Touch::strike) {
-    ball.position = {0.03, 0.15 + ball_radius, 0.04};
+    ball.position = {0.03, falls_from + ball_radius, 0.04};
     scene.balls.push_back(ball);
   } else if (touch == Touch::roll) {
     ball.position = {-0.22, ball_radius + 0.001, 0.12};

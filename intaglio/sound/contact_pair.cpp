@@ -81,7 +81,7 @@ void ContactPair::finish_step(double now) {
   uv_ = point.uv;
   find_radius(point);
   if (is_first || options_.meso == MesoSource::engine_impulses) {
-    const double within = step_.has_begin ? 0.5 : place_within();
+    const double within = step_.touch().value_or(step_.has_begin ? 0.5 : place_within());
     blow(impulse, std::max(now, step_.start() + within * step_.duration));
   }
   find_gains(step_.main_point().n_g, &Side::normal_gains);

@@ -1,8 +1,15 @@
 #include "intaglio/sound/contact_step.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace intaglio::sound {
+
+namespace {
+
+constexpr double share_of_new = 1.0 / 3;
+
+}  // namespace
 
 void ContactStep::add(const ContactEvent& event) {
   if (event.phase == ContactPhase::end) return;
@@ -23,6 +30,16 @@ const ContactEvent& ContactStep::main_point() const {
     return a.impulse.norm() < b.impulse.norm();
   };
   return *std::max_element(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count), less);
+}
+
+std::optional<double> ContactStep::touch() const {
+  std::optional<double> when;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (std::isnan(points[i].touch_age) || share(i) < share_of_new) continue;
+    const double after = std::clamp(1 - points[i].touch_age / duration, 0.0, 1.0);
+    when = std::min(when.value_or(1), after);
+  }
+  return when;
 }
 
 const ContactEvent& ContactStep::nearest_point(const Vec2& uv) const {

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 
 #include "intaglio/core/event.h"
 
@@ -26,6 +27,9 @@ struct ContactStep {
   double share(std::size_t i) const;
   // The point that bears most, and the one whose uv is nearest to `uv`.
   const ContactEvent& main_point() const;
+  // When the first of those points met what it touches that did not touch before and bear a third of the step
+  // at least; 0..1 of the step.
+  std::optional<double> touch() const;
   const ContactEvent& nearest_point(const Vec2& uv) const;
 };
 

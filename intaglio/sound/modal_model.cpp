@@ -4,30 +4,15 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <numbers>
 
-#include "intaglio/sound/air.h"
 #include "intaglio/sound/fem/element.h"
 #include "intaglio/sound/model_of_modes.h"
+#include "intaglio/sound/radiation.h"
 #include "intaglio/sound/sample_surface.h"
 
 namespace intaglio::sound {
 
 namespace {
-
-// Root mean square over the surface of the normal component of mode `mode`.
-double normal_rms(const ModalModel& model, int mode) {
-  double sum = 0, area = 0;
-  for (const Triangle& t : model.triangles) {
-    const Vec3& origin = model.points[std::size_t(t[0])];
-    const Vec3 cross =
-        (model.points[std::size_t(t[1])] - origin).cross(model.points[std::size_t(t[2])] - origin);
-    const Vec3 mean = (model.shape(t[0], mode) + model.shape(t[1], mode) + model.shape(t[2], mode)) / 3;
-    sum += 0.5 * cross.norm() * std::pow(mean.dot(cross.normalized()), 2);
-    area += 0.5 * cross.norm();
-  }
-  return std::sqrt(sum / area);
-}
 
 double surface_area(const ModalModel& model) {
   double area = 0;
@@ -83,14 +68,6 @@ void ModalModel::gains(const Vec3& point_local, const Vec3& direction_local, std
       for (std::size_t m = 0; m < out.size(); ++m) out[m] += weight * row[m];
     }
   }
-}
-
-double radiation_weight(double omega, double area, double normal_velocity_rms) {
-  const double radius = std::sqrt(area / (4 * std::numbers::pi));
-  const double ka = omega / speed_of_sound * radius;
-  const double efficiency = ka * ka / (1 + ka * ka);
-  return air_density * speed_of_sound * normal_velocity_rms *
-         std::sqrt(area * efficiency / (4 * std::numbers::pi));
 }
 
 Result<void> check_material(const Material& material) {
@@ -149,11 +126,9 @@ ModalModel model_of_modes(const Modes& modes, ModalSurface surface, double mass,
   model.points = std::move(surface.points);
   model.triangles = std::move(surface.triangles);
   model.area = surface_area(model);
-  for (int m = 0; m < model.modes(); ++m) {
-    model.radiation.push_back(
-        radiation_weight(model.angular_frequency[std::size_t(m)], model.area, normal_rms(model, m)));
-  }
+  const Eigen::RowVectorXd volume = volume_velocity(model);
   sample_surface(model, options.sample);
+  if (model.modes() > 0) model.radiation = radiation_of(model, volume, surface.thickness);
   model.grid = TriangleGrid(model.points, model.triangles);
   return model;
 }

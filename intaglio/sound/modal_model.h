@@ -29,7 +29,7 @@ struct ModalModel {
 
   std::vector<double> angular_frequency;  // omega, rad/s, ascending
   std::vector<double> damping;            // d, 1/s; always below omega
-  std::vector<double> radiation;          // Pa at 1 m for a modal velocity of 1; see radiation_weight
+  std::vector<double> radiation;          // Pa at 1 m for a modal velocity of 1 (radiation.h)
 
   std::vector<Vec3> points;         // of the surface, as many as sound needs
   std::vector<Triangle> triangles;  // outward
@@ -65,11 +65,5 @@ struct BakeOptions {
 // Modal analysis of a free body. Overdamped modes do not ring and are left out. Takes seconds: see
 // fem/modes.h.
 Result<ModalModel> bake(const TetMesh& mesh, const Material& material, const BakeOptions& options = {});
-
-// Far-field pressure at 1 m for a surface of `area` whose normal velocity is `normal_velocity_rms` at angular
-// frequency omega: p = rho c v sqrt(A s / 4 pi), with the radiation efficiency s = (ka)^2 / (1 + (ka)^2) of a
-// pulsating sphere of the same area. No directivity. Source: Fahy & Gardonio, "Sound and Structural
-// Vibration", ch. 3.
-double radiation_weight(double omega, double area, double normal_velocity_rms);
 
 }  // namespace intaglio::sound

@@ -12,6 +12,7 @@ namespace intaglio::sound {
 namespace {
 
 constexpr std::size_t max_file_bytes = 256u << 20;
+constexpr int model_version = 2;
 constexpr double max_coordinate = 1e6;  // metres
 
 Material material_of(const file::Elasticity& from) {
@@ -61,8 +62,8 @@ Result<void> check_modes(const ModalModel& model, const std::string& name) {
   double last = 0;
   for (std::size_t m = 0; m < count; ++m) {
     const double omega = model.angular_frequency[m], d = model.damping[m];
-    if (!(omega >= last && omega > 0 && omega < 1e9 && d >= 0 && d < omega &&
-          std::isfinite(model.radiation[m])))
+    if (!(omega >= last && omega > 0 && omega < 1e9 && d >= 0 && d < omega && model.radiation[m] >= 0 &&
+          model.radiation[m] < 1e6))
       return fail(name, fmt::format("mode {} does not ring, or is out of order", m));
     last = omega;
   }
@@ -118,7 +119,7 @@ std::vector<std::uint8_t> model_bytes(const ModalModel& model) {
   file::FinishModelBuffer(
       builder,
       file::CreateModel(builder, name, material, model.mass, model.area, model.residual, frequency, damping,
-                        radiation, point_list, face_list, shapes, model.shape_error, source));
+                        radiation, point_list, face_list, shapes, model.shape_error, source, model_version));
   return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
 }
 
@@ -133,6 +134,10 @@ Result<ModalModel> parse_model(std::span<const std::uint8_t> bytes, const std::s
     return fail(name, "is not a modal model, or is cut off",
                 "bake it again: intaglio bake MESH --material M -o MODEL");
   const file::Model& from = *file::GetModel(aligned.data());
+  if (from.version() != model_version)
+    return fail(name,
+                fmt::format("is of format {}, and this program reads {}", from.version(), model_version),
+                "bake it again: intaglio bake MESH --material M -o MODEL");
   ModalModel model;
   model.name = from.name() ? from.name()->str() : "";
   model.material = material_of(*from.material());

@@ -2,8 +2,9 @@
 //
 // FlatBuffers by the schema model.fbs, little-endian on every machine. Files are not trusted: the verifier
 // checks their structure, the reader that lengths agree, indices exist, numbers are finite and modes ascend
-// and ring; a model without a mode is an error. Limit 256 MB. Most of the cost of reading is the grid over
-// the surface (triangle_grid.h).
+// and ring; a model without a mode is an error. A file of another format version is refused: version 2 knows
+// how much of each mode the air takes (radiation.h). Limit 256 MB. Most of the cost of reading is the grid
+// over the surface (triangle_grid.h).
 #pragma once
 
 #include <filesystem>

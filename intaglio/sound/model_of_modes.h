@@ -9,6 +9,7 @@ struct ModalSurface {
   std::vector<Vec3> points;
   std::vector<Triangle> triangles;
   std::vector<int> nodes;  // of each point, among the rows of the modes
+  double thickness = 0;    // m, of a shell that has one side here; 0: the surface of a body
 };
 
 // Overdamped modes are left out.

@@ -142,6 +142,7 @@ Result<ModalModel> bake_spring_shell(const BodySurface& surface, double thicknes
   // Vertices that no triangle has are no masses.
   std::vector<int> number(surface.points.size(), -1);
   ModalSurface kept;
+  kept.thickness = thickness;
   for (const Triangle& t : surface.triangles) {
     Triangle& own = kept.triangles.emplace_back();
     for (std::size_t k = 0; k < 3; ++k) {

@@ -1,7 +1,10 @@
 #include "intaglio/sound/scaled_model.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
+
+#include "intaglio/sound/radiation.h"
 
 namespace intaglio::sound {
 
@@ -26,8 +29,8 @@ ModalModel scaled(const ModalModel& model, double scale) {
     kept.push_back(m);
     out.angular_frequency.push_back(omega);
     out.damping.push_back(d);
-    const double rms = model.radiation[m] / radiation_weight(model.angular_frequency[m], model.area, 1);
-    out.radiation.push_back(radiation_weight(omega, out.area, rms * shape_scale));
+    // Wavelengths grow as the body does, so only how far and how fast its surface moves is another.
+    out.radiation.push_back(std::min(model.radiation[m] * scale * shape_scale, most_radiated(d)));
   }
   const std::size_t modes = model.angular_frequency.size();
   for (std::size_t row = 0; row < 3 * model.points.size(); ++row) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "intaglio/session/report_touches.h"
 #include "intaglio/session/simulation.h"
 
 using namespace intaglio;
@@ -223,4 +224,35 @@ TEST_CASE("a ball that rolls over a grating sounds at v / lambda, whichever sour
     CHECK(hertz > 20);
     CHECK(heard == doctest::Approx(wavelength).epsilon(0.005));
   }
+}
+
+TEST_CASE("each onset of a ball that rolls over a relief is at a touch, on an edge of the picture") {
+  const double wavelength = 0.02;
+  Scene scene = scene_of(
+      "duration = 1.4\n[[ball]]\nradius = 0.02\nposition = [-0.2, 0.0201, 0.01]\nvelocity = [0.3, 0, 0]\n"
+      "spin = [0, 0, -15]\n");
+  SceneSurface surface = grating(wavelength, 0.0002);
+  scene.balls[0].material.rayleigh_alpha = 2000;
+  for (Material* material : {&scene.balls[0].material, &surface.material}) {
+    material->rolling_resistance = 0;
+    material->restitution = 0;
+  }
+  CHECK(scene.physics.rate == 480);
+  const Recording recording = run(scene, surface);
+  std::vector<double> edges;  // touches at an edge of the picture
+  for (const Touch& touch : touches_of(recording)) {
+    const auto event = std::find_if(
+        recording.events.begin(), recording.events.end(),
+        [&](const ContactEvent& e) { return std::abs(e.time - e.touch_age - touch.time) < 1e-6; });
+    if (event == recording.events.end()) continue;
+    const double x = event->uv.x() * side, edge = std::round(2 * x / wavelength) * wavelength / 2;
+    if (std::abs(x - edge) < 2 * recording.surface->texel_u()) edges.push_back(touch.time);
+  }
+  const std::vector<double> clicks = onsets(recording.audio, 0.1, 1.3, float(0.1 * loudest(recording.audio)));
+  double worst = 0;
+  for (const double t : clicks) worst = std::max(worst, distance(edges, t, 0));
+  MESSAGE(clicks.size() << " onsets, at most " << 1000 * worst << " ms from one of " << edges.size()
+                        << " touches of edges");
+  CHECK(clicks.size() > 10);
+  CHECK(worst < 1e-3);
 }

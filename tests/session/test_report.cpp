@@ -11,6 +11,7 @@
 #include "intaglio/session/report_agreement.h"
 #include "intaglio/session/report_contacts.h"
 #include "intaglio/session/report_text.h"
+#include "intaglio/session/report_touches.h"
 #include "intaglio/session/report_tracks.h"
 #include "intaglio/surface/brick.h"
 #include "intaglio/surface/import.h"
@@ -199,7 +200,9 @@ TEST_CASE("agreement is near perfect for a session that agrees, and chance for o
   Recording recording = session_of(4);
   const Agreement good = agreement_of(recording);
   CHECK(good.onsets == 8);
-  CHECK(good.onsets_at_contact == 1);
+  CHECK(good.onsets_at_touch == 1);
+  CHECK(good.touches == 8);
+  CHECK(good.touches_heard == 1);
   CHECK(std::abs(good.median_lag) <= 0.002);
   CHECK(good.relief_correlation > 0.999);
   CHECK(good.idle_energy < 1e-5);
@@ -209,15 +212,44 @@ TEST_CASE("agreement is near perfect for a session that agrees, and chance for o
   for (ContactEvent& event : recording.events) event.time += 0.2;
   recording.voices[0].frequencies = {730, 5000};
   const Agreement bad = agreement_of(recording);
-  CHECK(bad.onsets_at_contact == 0);
+  CHECK(bad.onsets_at_touch == 0);
+  CHECK(bad.touches_heard == 0);
   CHECK(bad.idle_energy > 0.5);
   CHECK(bad.modal_energy < 0.1);
 }
 
+TEST_CASE(
+    "a touch is what is new in a contact, when it came; a faint one and one that a louder masks need no sound") {
+  Recording recording;
+  recording.duration = 2;
+  const auto add = [&](int k, double impulse, ContactPhase phase, double touch_age = std::nan("")) {
+    ContactEvent event;
+    event.time = 0.002 * k;
+    event.duration = 0.002;
+    event.body = 1;
+    event.phase = phase;
+    event.impulse = {0, impulse, 0};
+    event.touch_age = touch_age;
+    recording.events.push_back(event);
+  };
+  add(10, 0.1, ContactPhase::begin, 0.0015);  // lands
+  for (int k = 11; k < 300; ++k)              // slides, and meets edges at 200 and 210
+    add(k, k == 200 ? 0.08 : k == 210 ? 0.05 : k == 250 ? 0.001 : 0.0008, ContactPhase::persist);
+  const std::vector<Touch> touches = touches_of(recording);
+  REQUIRE(touches.size() == 3);
+  CHECK(touches[0].time == doctest::Approx(0.0185));
+  CHECK(touches[1].time == doctest::Approx(0.399));
+  CHECK(touches[1].impulse == doctest::Approx(0.0792));
+  CHECK(touches[2].time == doctest::Approx(0.419));
+  const std::vector<Touch> clear = unmasked(touches);
+  REQUIRE(clear.size() == 2);
+  CHECK(clear[1].time == touches[1].time);
+}
+
 TEST_CASE("what cannot be told is not a number, and is written as a dash") {
   const Agreement none = agreement_of(Recording{});
-  for (const double value : {none.onsets_at_contact, none.relief_correlation, none.idle_energy,
-                             none.modal_energy, none.modal_contrast_db}) {
+  for (const double value : {none.onsets_at_touch, none.touches_heard, none.relief_correlation,
+                             none.idle_energy, none.modal_energy, none.modal_contrast_db}) {
     CHECK(std::isnan(value));
   }
   CHECK(number(std::nan(""), 2) == "–");

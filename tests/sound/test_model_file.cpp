@@ -56,6 +56,22 @@ TEST_CASE("a model file cut off or changed anywhere is a model or one clear erro
   }
 }
 
+TEST_CASE("a model of another format version is refused, with what to do") {
+  // Version 1 had no such number: its place in the table says that it is absent.
+  const auto bytes = model_bytes(*test::small_ball());
+  int found = 0;
+  for (std::size_t k = 4; k + 4 < 200; ++k) {
+    auto changed = bytes;
+    if (changed[k] != 2 || changed[k + 1] != 0 || changed[k + 2] != 0 || changed[k + 3] != 0) continue;
+    changed[k] = 1;
+    const auto read = parse_model(changed, "old.modes");
+    if (read || read.error().message().find("is of format 1") == std::string::npos) continue;
+    ++found;
+    CHECK(read.error().message().find("bake it again") != std::string::npos);
+  }
+  CHECK(found == 1);
+}
+
 TEST_CASE("a model without a mode is not written") {
   const auto path = std::filesystem::temp_directory_path() / "intaglio_empty.modes";
   const auto written = write_model(path, ModalModel{});

@@ -24,7 +24,11 @@ TEST_CASE("a sampled model is smaller, closed, and rings under a blow as the who
   CHECK(sampled->points.size() < 0.2 * double(whole->points.size()));
   CHECK(sampled->angular_frequency == whole->angular_frequency);
   CHECK(sampled->area == whole->area);
-  CHECK(sampled->radiation == whole->radiation);
+  double louder = 0;  // of what both radiate, in decibels
+  for (std::size_t m = 0; m < 20; ++m)
+    louder = std::max(louder, std::abs(20 * std::log10(sampled->radiation[m] / whole->radiation[m])));
+  MESSAGE("radiation is " << louder << " dB off at most");
+  CHECK(louder < 1.5);
   CHECK(whole->shape_error == 0);
   CHECK(sampled->shape_error > 0);
   CHECK(sampled->shape_error < 0.08);
@@ -55,7 +59,8 @@ TEST_CASE("a sampled model is smaller, closed, and rings under a blow as the who
   for (std::size_t m = 0; m < 20; ++m) {
     if (size[m] < 1) continue;  // of a mode in the plane nobody strikes out of it
     CHECK(std::sqrt(error[m] / size[m]) < 0.08);
-    // Between the points that are kept; which of a degenerate pair is which, and so the points, is the compiler's.
+    // Between the points that are kept; which of a degenerate pair is which, and so the points, is the
+    // compiler's.
     CHECK(worst[m] < 0.15 * largest[m]);
   }
 }
