@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int format_version = 1;  // of baking itself: raised when models come out differently
+constexpr int format_version = 2;  // of baking itself: raised when models come out differently
 
 bool is_mesh(const fs::path& path) {
   std::string extension = path.extension().string();
@@ -84,6 +84,7 @@ pid_t start(const BakeArguments& one) {
   add("--nodes", one.nodes);
   if (one.thickness > 0) add("--thickness", one.thickness);
   add("--shell", one.shell);
+  add("--merge", one.merge_db);
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
@@ -137,7 +138,8 @@ Result<std::string> source_hash(const BakeArguments& arguments, const Material& 
        {material.density, material.youngs_modulus, material.poisson_ratio, material.rayleigh_alpha,
         material.rayleigh_beta, material.friction, material.restitution, material.rolling_resistance,
         material.micro.rms_height, material.micro.correlation_length, material.micro.spectral_slope,
-        arguments.max_frequency, arguments.scale, arguments.element_size, arguments.thickness})
+        arguments.max_frequency, arguments.scale, arguments.element_size, arguments.thickness,
+        arguments.merge_db})
     hash.add(x);
   hash.add(arguments.modes);
   hash.add(arguments.elements);
