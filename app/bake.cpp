@@ -17,6 +17,7 @@
 #include "intaglio/core/material_reader.h"
 #include "intaglio/session/progress.h"
 #include "intaglio/sound/element_size.h"
+#include "intaglio/sound/fem/choose_mesher.h"
 #include "intaglio/sound/fem/fill_surface.h"
 #include "intaglio/sound/fem/solid_shape.h"
 #include "intaglio/sound/merge_modes.h"
@@ -68,7 +69,7 @@ Result<Body> make_elements(const BakeArguments& options, const Material& materia
     const auto shape = sound::solid_shape(options.mesh);
     if (!shape) return tl::unexpected(shape.error());
     const double size = size_for(shape->volume(), shape->area());
-    Body body{{shape->mesh(size, options.elements), size, {}}};
+    Body body{{shape->mesh(size, options.elements), size, {}, "structured"}};
     body.surface_vertices = surface_nodes(body.filled.mesh);
     return body;
   }
@@ -81,8 +82,11 @@ Result<Body> make_elements(const BakeArguments& options, const Material& materia
   const auto surface = sound::body_surface(*mesh, options.mesh, options.thickness);
   if (!surface) return tl::unexpected(surface.error());
   if (options.shell == "springs") return Body{{{}, 0, surface->notes}, surface->points.size(), *surface};
-  auto filled = sound::fill_surface(*surface, {size_for(surface->volume, surface->area), options.elements},
-                                    options.mesh);
+  const sound::FillOptions fill{size_for(surface->volume, surface->area), options.elements};
+  const auto mesher = options.mesher == "netgen"    ? sound::Mesher::netgen
+                      : options.mesher == "lattice" ? sound::Mesher::lattice
+                                                    : sound::Mesher::automatic;
+  auto filled = sound::fill_by(mesher, *surface, fill, {}, options.mesh);
   if (!filled) return tl::unexpected(filled.error());
   return Body{std::move(*filled), surface->points.size(), {}};
 }
@@ -118,6 +122,7 @@ nlohmann::json as_json(const Found& found, const sound::ModalModel& model, const
           {"area", model.area},
           {"nodes", body.filled.mesh.nodes.size()},
           {"elements", body.filled.mesh.tets.size()},
+          {"mesher", body.filled.mesher},
           {"element_size", body.filled.element_size},
           {"surface_points", model.points.size()},
           {"shape_error", model.shape_error},
@@ -241,6 +246,11 @@ void add_bake(CLI::App& app, Common& common) {
           "--merge", options->merge_db,
           "Modes that no listener tells apart become one while no auditory band changes by more dB; 0: none")
       ->check(CLI::Range(0.0, 20.0))
+      ->capture_default_str();
+  verb->add_option(
+          "--mesher", options->mesher,
+          "What fills a mesh: lattice (any mesh), netgen (a clean closed one; keeps sharp edges), or auto")
+      ->check(CLI::IsMember({"lattice", "netgen", "auto"}))
       ->capture_default_str();
   verb->add_option("--scale", options->scale, "Metres in a unit of the file")
       ->check(CLI::Range(1e-6, 1e6))

@@ -84,6 +84,7 @@ pid_t start(const BakeArguments& one) {
   add("--nodes", one.nodes);
   if (one.thickness > 0) add("--thickness", one.thickness);
   add("--shell", one.shell);
+  add("--mesher", one.mesher);
   add("--merge", one.merge_db);
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
@@ -145,6 +146,7 @@ Result<std::string> source_hash(const BakeArguments& arguments, const Material& 
   hash.add(arguments.elements);
   hash.add(arguments.nodes);
   hash.add(std::string_view(arguments.shell));
+  hash.add(std::string_view(arguments.mesher));
   return fmt::format("{:016x}", hash.value());
 }
 

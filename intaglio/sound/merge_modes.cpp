@@ -13,7 +13,7 @@ using Eigen::Index;
 constexpr double slowest_beat = 0.5;  // of the sum of both decays: the distance of angular frequencies
 constexpr double least_pitch = 0.002;
 constexpr double masked = 0.01;  // of its band's energy
-constexpr int tried_points = 256;
+constexpr int tried_points = 100;
 
 // Modes that will be one.
 struct Group {
