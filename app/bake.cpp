@@ -17,8 +17,10 @@
 #include "intaglio/core/material_reader.h"
 #include "intaglio/session/progress.h"
 #include "intaglio/sound/element_size.h"
+#include "intaglio/sound/fem/choose_mesher.h"
 #include "intaglio/sound/fem/fill_surface.h"
 #include "intaglio/sound/fem/solid_shape.h"
+#include "intaglio/sound/merge_modes.h"
 #include "intaglio/sound/model_file.h"
 #include "intaglio/sound/other_bakes.h"
 #include "intaglio/surface/mesh/mesh_file.h"
@@ -67,7 +69,7 @@ Result<Body> make_elements(const BakeArguments& options, const Material& materia
     const auto shape = sound::solid_shape(options.mesh);
     if (!shape) return tl::unexpected(shape.error());
     const double size = size_for(shape->volume(), shape->area());
-    Body body{{shape->mesh(size, options.elements), size, {}}};
+    Body body{{shape->mesh(size, options.elements), size, {}, "structured"}};
     body.surface_vertices = surface_nodes(body.filled.mesh);
     return body;
   }
@@ -80,8 +82,11 @@ Result<Body> make_elements(const BakeArguments& options, const Material& materia
   const auto surface = sound::body_surface(*mesh, options.mesh, options.thickness);
   if (!surface) return tl::unexpected(surface.error());
   if (options.shell == "springs") return Body{{{}, 0, surface->notes}, surface->points.size(), *surface};
-  auto filled = sound::fill_surface(*surface, {size_for(surface->volume, surface->area), options.elements},
-                                    options.mesh);
+  const sound::FillOptions fill{size_for(surface->volume, surface->area), options.elements};
+  const auto mesher = options.mesher == "netgen"    ? sound::Mesher::netgen
+                      : options.mesher == "lattice" ? sound::Mesher::lattice
+                                                    : sound::Mesher::automatic;
+  auto filled = sound::fill_by(mesher, *surface, fill, {}, options.mesh);
   if (!filled) return tl::unexpected(filled.error());
   return Body{std::move(*filled), surface->points.size(), {}};
 }
@@ -91,19 +96,33 @@ double dense_gigabytes(std::size_t vertices) {
   return 8.0 * std::pow(3.0 * double(vertices), 2) / std::pow(1024.0, 3);
 }
 
-nlohmann::json as_json(const sound::ModalModel& model, const Body& body, const Costs& costs) {
-  std::vector<double> frequencies;
-  for (const double omega : model.angular_frequency) frequencies.push_back(omega / (2 * std::numbers::pi));
+// Of the modes as they were found.
+struct Found {
+  std::vector<double> frequencies, decay_rates;
+};
+
+std::vector<double> in_hertz(const std::vector<double>& angular) {
+  std::vector<double> hertz;
+  for (const double omega : angular) hertz.push_back(omega / (2 * std::numbers::pi));
+  return hertz;
+}
+
+nlohmann::json as_json(const Found& found, const sound::ModalModel& model, const Body& body,
+                       const Costs& costs) {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  return {{"frequencies", frequencies},
-          {"decay_rates", model.damping},
+  return {{"frequencies", found.frequencies},
+          {"decay_rates", found.decay_rates},
+          {"model_frequencies", in_hertz(model.angular_frequency)},
+          {"merge_error_db", model.merge_error_db},
+          {"merge_error_rms_db", model.merge_error_rms_db},
           {"residual", model.residual},
           {"material", model.material.name},
           {"mass", model.mass},
           {"area", model.area},
           {"nodes", body.filled.mesh.nodes.size()},
           {"elements", body.filled.mesh.tets.size()},
+          {"mesher", body.filled.mesher},
           {"element_size", body.filled.element_size},
           {"surface_points", model.points.size()},
           {"shape_error", model.shape_error},
@@ -124,6 +143,9 @@ void summarise(const nlohmann::json& result, const BakeArguments& options) {
              options.output, f.size(), f.front().get<double>(), f.back().get<double>(),
              result["elements"].get<int>(), result["nodes"].get<int>(), result["mass"].get<double>(),
              result["residual"].get<double>());
+  if (const auto kept = result["model_frequencies"].size(); kept < f.size())
+    fmt::print("merged to {} that sound alike: bands within {:.2f} dB, root mean square {:.2f} dB\n", kept,
+               result["merge_error_db"].get<double>(), result["merge_error_rms_db"].get<double>());
   fmt::print(
       "{:.1f} s ({:.1f} s of them for the mesh), {:.1f} CPU-s, {:.0f} MB (a dense matrix over {} surface "
       "vertices: {:.3g} GB)\n",
@@ -154,10 +176,10 @@ int run(const BakeArguments& options, const Common& common) {
   modes.progress = [&](double done) { progress.update(0.3 + 0.65 * done, "modes"); };
   const sound::BakeOptions bake_options{
       std::filesystem::path(options.mesh).stem().string(), modes, {}, *source};
-  const auto model = body->springs ? sound::bake_spring_shell(*body->springs, options.thickness, *material,
-                                                              bake_options, options.mesh)
-                     : options.nodes == 4 ? sound::bake_linear(body->filled.mesh, *material, bake_options)
-                                          : sound::bake(body->filled.mesh, *material, bake_options);
+  auto model = body->springs        ? sound::bake_spring_shell(*body->springs, options.thickness, *material,
+                                                               bake_options, options.mesh)
+               : options.nodes == 4 ? sound::bake_linear(body->filled.mesh, *material, bake_options)
+                                    : sound::bake(body->filled.mesh, *material, bake_options);
   if (!model) return report({options.mesh, model.error().message(), ""});
   if (model->modes() == 0) {
     return report(
@@ -165,12 +187,14 @@ int run(const BakeArguments& options, const Common& common) {
          "a small or stiff body rings higher (--max-frequency), a well damped one not at all; a mesh in "
          "millimetres needs --scale 0.001"});
   }
+  const Found found{in_hertz(model->angular_frequency), model->damping};
+  sound::merge_modes(*model, options.merge_db);
   costs.modes_s = all.wall_s() - costs.mesh_s;
   if (auto written = sound::write_model(options.output, *model); !written) return report(written.error());
   progress.update(1, "written");
   costs.total_s = all.wall_s();
   costs.cpu_s = all.cpu_s();
-  const nlohmann::json result = as_json(*model, *body, costs);
+  const nlohmann::json result = as_json(found, *model, *body, costs);
   if (options.json) {
     fmt::print("{}\n", result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
   } else if (!common.quiet) {
@@ -217,6 +241,16 @@ void add_bake(CLI::App& app, Common& common) {
   verb->add_option("--shell", options->shell,
                    "What a shell is made of: solid elements, or the paper's springs")
       ->check(CLI::IsMember({"solid", "springs"}))
+      ->capture_default_str();
+  verb->add_option(
+          "--merge", options->merge_db,
+          "Modes that no listener tells apart become one while no auditory band changes by more dB; 0: none")
+      ->check(CLI::Range(0.0, 20.0))
+      ->capture_default_str();
+  verb->add_option(
+          "--mesher", options->mesher,
+          "What fills a mesh: lattice (any mesh), netgen (a clean closed one; keeps sharp edges), or auto")
+      ->check(CLI::IsMember({"lattice", "netgen", "auto"}))
       ->capture_default_str();
   verb->add_option("--scale", options->scale, "Metres in a unit of the file")
       ->check(CLI::Range(1e-6, 1e6))

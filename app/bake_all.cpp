@@ -84,6 +84,8 @@ pid_t start(const BakeArguments& one) {
   add("--nodes", one.nodes);
   if (one.thickness > 0) add("--thickness", one.thickness);
   add("--shell", one.shell);
+  add("--mesher", one.mesher);
+  add("--merge", one.merge_db);
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
@@ -137,12 +139,14 @@ Result<std::string> source_hash(const BakeArguments& arguments, const Material& 
        {material.density, material.youngs_modulus, material.poisson_ratio, material.rayleigh_alpha,
         material.rayleigh_beta, material.friction, material.restitution, material.rolling_resistance,
         material.micro.rms_height, material.micro.correlation_length, material.micro.spectral_slope,
-        arguments.max_frequency, arguments.scale, arguments.element_size, arguments.thickness})
+        arguments.max_frequency, arguments.scale, arguments.element_size, arguments.thickness,
+        arguments.merge_db})
     hash.add(x);
   hash.add(arguments.modes);
   hash.add(arguments.elements);
   hash.add(arguments.nodes);
   hash.add(std::string_view(arguments.shell));
+  hash.add(std::string_view(arguments.mesher));
   return fmt::format("{:016x}", hash.value());
 }
 

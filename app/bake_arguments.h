@@ -20,7 +20,9 @@ struct BakeArguments {
   double element_size = 0;      // metres; 0: chosen
   int nodes = 10;               // of an element
   double thickness = 0;         // metres, of a shell; 0: a solid
+  std::string mesher = "auto";  // of a mesh: "lattice", "netgen" or "auto"
   std::string shell = "solid";  // what a shell is made of: "solid" elements or "springs"
+  double merge_db = 0.5;        // merging may change a band by so much; 0: no merging
   bool json = false;
 };
 

@@ -38,6 +38,9 @@ struct ModalModel {
   // Of shapes between the points, linear over the triangles, against those of the elements: root mean square
   // over the surface, relative, of the worst mode.
   double shape_error = 0;
+  // Of merging (merge_modes.h): how many modes there were, 0 if none were merged, and what it changed, dB.
+  int modes_found = 0;
+  double merge_error_db = 0, merge_error_rms_db = 0;
 
   int modes() const { return static_cast<int>(angular_frequency.size()); }
   Vec3 shape(int point, int mode) const;

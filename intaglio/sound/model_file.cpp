@@ -69,7 +69,8 @@ Result<void> check_modes(const ModalModel& model, const std::string& name) {
   }
   if (!is_finite(model.material) || !(model.mass > 0 && std::isfinite(model.mass)) ||
       !(model.area > 0 && std::isfinite(model.area)) || !std::isfinite(model.residual) ||
-      !std::isfinite(model.shape_error))
+      !std::isfinite(model.shape_error) || !std::isfinite(model.merge_error_db) ||
+      !std::isfinite(model.merge_error_rms_db) || model.modes_found < 0)
     return fail(name, "its material, mass or area is not a number that can be");
   return {};
 }
@@ -119,7 +120,8 @@ std::vector<std::uint8_t> model_bytes(const ModalModel& model) {
   file::FinishModelBuffer(
       builder,
       file::CreateModel(builder, name, material, model.mass, model.area, model.residual, frequency, damping,
-                        radiation, point_list, face_list, shapes, model.shape_error, source, model_version));
+                        radiation, point_list, face_list, shapes, model.shape_error, source, model_version,
+                        model.modes_found, model.merge_error_db, model.merge_error_rms_db));
   return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
 }
 
@@ -146,6 +148,9 @@ Result<ModalModel> parse_model(std::span<const std::uint8_t> bytes, const std::s
   model.residual = from.residual();
   model.source = from.source() ? from.source()->str() : "";
   model.shape_error = from.shape_error();
+  model.modes_found = from.modes_found();
+  model.merge_error_db = from.merge_error_db();
+  model.merge_error_rms_db = from.merge_error_rms_db();
   model.angular_frequency = copied<double>(*from.angular_frequency());
   model.damping = copied<double>(*from.damping());
   model.radiation = copied<double>(*from.radiation());

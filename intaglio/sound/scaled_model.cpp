@@ -16,6 +16,9 @@ ModalModel scaled(const ModalModel& model, double scale) {
   out.mass = model.mass * std::pow(scale, 3);
   out.area = model.area * scale * scale;
   out.residual = model.residual;
+  out.modes_found = model.modes_found;
+  out.merge_error_db = model.merge_error_db;
+  out.merge_error_rms_db = model.merge_error_rms_db;
   out.triangles = model.triangles;
   for (const Vec3& point : model.points) out.points.push_back(scale * point);
   out.grid = TriangleGrid(out.points, out.triangles);

@@ -46,6 +46,45 @@ if command -v snakemake >/dev/null; then
   [ -s "$work/flow/deep/brick.modes" ] && [ -s "$work/flow/bar.json" ] || { echo "no models"; failures=$((failures + 1)); }
   touch -r "$work/meshes/bar.obj" "$work/stamp"
   flow && expect "the workflow skips what is done" 'Nothing to be done|^$'
+
+  # The Slurm profile, with stand-ins for Slurm's commands: sbatch checks the words it is given and runs the script as a job.
+  mkdir -p "$work/slurm"
+  cat >"$work/slurm/sbatch" <<'EOF'
+#!/usr/bin/env bash
+echo "$@" >>"$SLURM_LOG"
+for word in "$@"; do
+  case $word in
+    --parsable | --cpus-per-task=[1-9]* | --mem=[1-9]* | --time=[1-9]* | --job-name=* | --output=*) ;;
+    -*) echo "sbatch: unrecognized option '$word'" >&2; exit 1 ;;
+    *) script=$word ;;
+  esac
+done
+[ "$(head -c 2 "$script")" = '#!' ] || { echo "sbatch: not a script" >&2; exit 1; }
+id=$$
+case ${KILLED:-none} in none) ;; *) grep -q "$KILLED" "$script" && { echo OUT_OF_MEMORY >"$SLURM_LOG.$id"; echo $id; exit; } ;; esac
+(setsid env -i PATH="$PATH" HOME="$HOME" bash -c 'bash "$1" && echo COMPLETED >"$2" || echo FAILED >"$2"' job "$script" "$SLURM_LOG.$id" \
+  >/dev/null 2>&1 </dev/null &)
+echo $id
+EOF
+  printf '#!/bin/sh\necho "cancelled $*" >>"$SLURM_LOG"\n' >"$work/slurm/scancel"
+  printf '#!/bin/sh\nfor id in "$@"; do [ -f "$SLURM_LOG.$id" ] && exec cat "$SLURM_LOG.$id"; done; echo RUNNING\n' >"$work/slurm/sacct"
+  chmod +x "$work/slurm/sbatch" "$work/slurm/scancel" "$work/slurm/sacct"
+  cuboid 0.25 0.05 0.04 >"$work/meshes/block.obj"
+  slurm() {
+    (cd "$work" && SLURM_LOG="$work/slurm.log" PATH="$work/slurm:$PATH" timeout 120 snakemake -s "$source/workflow/Snakefile" \
+      --profile "$source/workflow/slurm" --latency-wait 5 --max-status-checks-per-second 10 --quiet --nolock --config meshes=meshes \
+      models=slurm_models material=ceramic options='--modes 5' minutes=7 intaglio="$intaglio" >"$work/log" 2>&1)
+  }
+  slurm || { echo "the workflow with the Slurm profile failed:"; cat "$work/log"; failures=$((failures + 1)); }
+  for name in bar block deep/brick; do
+    [ -s "$work/slurm_models/$name.modes" ] || { echo "no model $name by Slurm"; failures=$((failures + 1)); }
+  done
+  cp "$work/slurm.log" "$work/log" && expect "one Slurm job an object, with its memory and time" 'cpus-per-task=1 --mem=4000 --time=7 '
+  [ "$(wc -l <"$work/slurm.log")" = 3 ] || { echo "not three Slurm jobs:"; cat "$work/slurm.log"; failures=$((failures + 1)); }
+  rm "$work/slurm_models/bar.modes" "$work/slurm_models/block.modes"
+  KILLED=block.obj slurm
+  [ $? = 1 ] || { echo "a job that Slurm killed is not told"; failures=$((failures + 1)); }
+  [ -s "$work/slurm_models/bar.modes" ] || { echo "one killed job keeps the others from running"; failures=$((failures + 1)); }
 else
   echo "workflow: not tried, snakemake is not installed"
 fi

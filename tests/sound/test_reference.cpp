@@ -1,8 +1,7 @@
 // Every case of closed-form and Ritz frequencies that is known: solid spheres (Lamb's equation), and cube,
 // plates and bar by a Legendre-basis Ritz computation that is independent of any mesh; the free thin square
-// plate is NAFEMS FV12. Of that, modes 10 to 12 are thin-plate theory's (34.801 and 61.093 times the unit in
-// which the first is 13.468: Gorman, "Vibration analysis of plates by the superposition method", 1999);
-// NAFEMS's own 4.233 and 7.416 Hz are 1.0 and 0.8 % above those, where no converged solution goes. Three of
+// plate is NAFEMS FV12, of that modes 10 to 12 as thin-plate theory has them, since NAFEMS's own 4.233 and
+// 7.416 Hz lie above an upper bound of the exact ones (test_thin_plate.cpp). Three of
 // the cube's groups are exact Lame modes or alike by accident, not by symmetry: the mesh splits them. Prints
 // a table:
 //   build/release/tests/test_sound -tc='*known frequencies*' -s

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <set>
 
-#include "intaglio/sound/fem/element.h"
+#include "intaglio/sound/fem/fit_surface.h"
 #include "intaglio/sound/fem/flat_frame.h"
 #include "intaglio/sound/fem/lattice.h"
 #include "intaglio/sound/fem/surface_query.h"
@@ -24,8 +24,6 @@ constexpr double lid_share = 0.15;  // of the boundary: where so much of it has 
 constexpr double lid_distance = 0.3;  // of a cell: what is farther from the surface is not it
 constexpr double thin_extent = 2.2;   // of the thickness: a square bar is twice as wide as 2 V / A
 constexpr double flattest_cell = 2;   // of the thickness, its length
-constexpr double max_rescaling = 0.05;
-constexpr double least_jacobian = 0.1;  // of the mean over the element
 
 double signed_volume(const std::vector<Vec3>& points, const std::array<int, 4>& t) {
   const Vec3& o = points[std::size_t(t[0])];
@@ -109,62 +107,6 @@ double share_of_lid(const TetMesh& mesh, const SurfaceQuery& surface, double nea
     area += part;
   }
   return lid / area;
-}
-
-bool is_positive(const TetMesh& mesh, const Tet10& tet) {
-  const ElementNodes nodes = element_nodes(mesh, tet);
-  const double least = least_jacobian * 6 * element_volume(nodes);
-  if (!(least > 0)) return false;
-  for (const QuadraturePoint& q : tet_quadrature()) {
-    if (!(jacobian(nodes, q.barycentric) > least)) return false;
-  }
-  for (std::size_t corner = 0; corner < 4; ++corner) {
-    std::array<double, 4> at{};
-    at[corner] = 1;
-    if (!(jacobian(nodes, at) > least)) return false;
-  }
-  return true;
-}
-
-// Moves the mid-edge nodes of the boundary onto the surface; those of elements that suffer go back.
-void curve(TetMesh& mesh, const SurfaceQuery& surface) {
-  std::map<int, Vec3> straight;
-  for (const Triangle6& f : mesh.boundary) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const int middle = f[3 + k];
-      Vec3& node = mesh.nodes[std::size_t(middle)];
-      if (!straight.try_emplace(middle, node).second) continue;
-      const double length = (mesh.nodes[std::size_t(f[k])] - mesh.nodes[std::size_t(f[(k + 1) % 3])]).norm();
-      if (const auto nearest = surface.nearest(node, 0.25 * length)) node = *nearest;
-    }
-  }
-  for (bool suffered = true; suffered;) {
-    suffered = false;
-    for (const Tet10& tet : mesh.tets) {
-      if (is_positive(mesh, tet)) continue;
-      for (std::size_t k = 4; k < 10; ++k) {
-        const auto found = straight.find(tet[k]);
-        if (found == straight.end()) continue;
-        mesh.nodes[std::size_t(tet[k])] = found->second;
-        straight.erase(found);
-        suffered = true;
-      }
-    }
-  }
-}
-
-void restore_volume(TetMesh& mesh, const BodySurface& body, std::vector<std::string>& notes) {
-  const double ratio = body.volume / volume(mesh);
-  if (std::abs(ratio - 1) > max_rescaling) {
-    notes.push_back(
-        fmt::format("the volume within the windings is {:.3g} times what was filled: it overlaps itself "
-                    "or has parts finer than an element",
-                    ratio));
-    return;
-  }
-  const Vec3 middle = 0.5 * (body.low + body.high);
-  const double scale = std::cbrt(ratio);
-  for (Vec3& node : mesh.nodes) node = middle + scale * (node - middle);
 }
 
 // `to_frame` turns the body into the lattice's axes.
@@ -259,8 +201,7 @@ Result<FilledSurface> fill_surface(const BodySurface& body, const FillOptions& o
       return fail(name, fmt::format("is open: {:.0f} % of the solid's surface would be made up", 100 * lid),
                   "close the surface, or give the shell thickness");
   }
-  curve(filled.mesh, *surface);
-  if (body.is_closed()) restore_volume(filled.mesh, body, filled.notes);
+  fit_surface(filled.mesh, body, *surface, filled.notes);
   return filled;
 }
 

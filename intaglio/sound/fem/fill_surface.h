@@ -25,6 +25,7 @@ struct FilledSurface {
   TetMesh mesh;
   double element_size = 0;  // of a lattice cell, metres
   std::vector<std::string> notes;
+  std::string mesher = "lattice";  // "netgen", or "structured" of a built-in shape
 };
 
 // `mesh` is checked; `name` is for errors.

@@ -1,0 +1,50 @@
+// What a blow on a body sounds like to the ear: the energy that it radiates in each auditory band.
+//
+// An impulse n at a point makes the pressure sum of g_m . n e^(-d_m t) cos(omega_m t), g_m = radiation times
+// shape. Behind an auditory filter of power response W its energy over all time is the quadratic form n^T Q n
+// Q = sum over pairs of S_ik g_i g_k^T, where S_ik is the integral of W times the product of both resonance
+// curves: pairs that beat count as they beat, and skirts count. Filters are one ERB apart. Pure, any thread.
+// Cost: milliseconds a band for 100 modes and 2,000 points. Sources: Glasberg & Moore, "Derivation of
+// auditory filter shapes from notched-noise data", 1990 (ERB); Patterson et al., "The deterioration of
+// hearing with age", 1982 (the rounded exponential filter).
+#pragma once
+
+#include <vector>
+
+#include "intaglio/sound/modal_model.h"
+
+namespace intaglio::sound {
+
+double erb(double hertz);                               // the bandwidth there, Hz
+double erb_number(double hertz);                        // how many such bands lie below
+double hertz_at_erb(double number);                     // its inverse
+double auditory_response(double hertz, double centre);  // W: of power, 1 at the centre
+
+// Modes as they are heard: frequency, decay, and the gains g of every point, rows 3 p + axis.
+struct HeardModes {
+  Eigen::VectorXd angular_frequency, damping;
+  Eigen::MatrixXd gain;
+
+  Eigen::Index modes() const { return angular_frequency.size(); }
+  Eigen::Index points() const { return gain.rows() / 3; }
+};
+
+// Every `stride`-th point of the model.
+HeardModes heard_modes(const ModalModel& model, int stride = 1);
+
+// Centres of the bands that the modes lie in, Hz.
+std::vector<double> band_centres(const HeardModes& modes);
+// Q of each point, Pa^2 s for an impulse of 1 N s.
+std::vector<Mat3> band_energy(const HeardModes& modes, double centre);
+
+// How differently two sets of modes of one surface sound, in dB of band energy: the worst over all bands,
+// points and directions of the blow, and the root mean square over bands and points, directions averaged. Of
+// each band a tenth of its mean over the surface is added to both, since near a node of a band others are
+// heard.
+struct SpectralError {
+  double max_db = 0, rms_db = 0;
+};
+inline constexpr double node_share = 0.1;
+SpectralError spectral_error(const HeardModes& before, const HeardModes& after);
+
+}  // namespace intaglio::sound

@@ -1,0 +1,20 @@
+// Which mesher fills a body best: the lattice for whatever is round, lies along its own flat faces or is not
+// clean; Netgen where sharp edges run across the lattice, which cuts them off (docs/bake.md has the figures).
+#pragma once
+
+#include "intaglio/sound/fem/netgen_fill.h"
+
+namespace intaglio::sound {
+
+enum class Mesher { automatic, lattice, netgen };
+
+// Whether the surface has edges of more than 30 degrees between faces that the lattice does not lie along.
+bool has_skew_edges(const BodySurface& body);
+
+// By the mesher that is asked for. Automatic: Netgen for a closed surface of one shell with skew edges and at
+// most 20,000 triangles, within 20 s; where it is not installed, or fails, the lattice, with a note that says
+// so.
+Result<FilledSurface> fill_by(Mesher mesher, const BodySurface& body, const FillOptions& options,
+                              const NetgenOptions& netgen, const std::string& name);
+
+}  // namespace intaglio::sound
