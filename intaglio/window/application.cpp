@@ -36,7 +36,8 @@ class Application {
       : options_(options),
         window_(window),
         settings_(std::move(settings)),
-        panels_(settings_.interface_scale > 0 ? settings_.interface_scale : window.size().scale),
+        panels_(settings_.interface_scale > 0 ? settings_.interface_scale : window.size().scale,
+                window.size().density()),
         hands_(render::Camera{}),
         script_(options.script),
         start_(start) {
