@@ -357,6 +357,7 @@ Result<RunReport> run(const RunOptions& options) {
   if (options.width) settings.width = *options.width;
   if (options.height) settings.height = *options.height;
   if (options.interface_scale) settings.interface_scale = *options.interface_scale;
+  settings.device = options.device;
   auto window = SdlWindow::create("Intaglio", settings.width, settings.height);
   if (!window) return tl::unexpected(window.error());
   Application application(options, **window, settings, start);

@@ -84,10 +84,19 @@ void senses_panel(Settings& settings) {
   ImGui::Checkbox("rumble", &settings.rumble);
 }
 
+// A VRPN device by its address, taken when Enter is pressed; nothing: the mouse.
+void device_field(Settings& settings) {
+  static std::array<char, 128> typed{};  // what is being typed is nobody else's business
+  if (ImGui::InputTextWithHint("VRPN pen", settings.device.empty() ? "NAME@HOST" : settings.device.c_str(),
+                               typed.data(), typed.size(), ImGuiInputTextFlags_EnterReturnsTrue))
+    settings.device = typed.data();
+}
+
 void touch_panel(Settings& settings, session::LiveSession& session, const PanelFacts& facts,
                  const session::LiveState& state, PanelActions& actions) {
   if (!ImGui::CollapsingHeader("Touch", ImGuiTreeNodeFlags_DefaultOpen)) return;
   ImGui::Checkbox("the mouse leads the pen (P)", &settings.pen);
+  device_field(settings);
   double stiffness = session.scene().pen->spring.stiffness;
   if (slider("stiffness, N/m", stiffness, 50, 2000, "%.0f")) settings.stiffness = stiffness;
   if (!facts.force.empty())

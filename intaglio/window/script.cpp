@@ -14,7 +14,7 @@ struct VerbForm {
   const char* arguments;  // t: the rest as text, w: a word, n: a number
   const char* says;
 };
-constexpr std::array<VerbForm, 13> forms = {{
+constexpr std::array<VerbForm, 14> forms = {{
     {"key", Verb::key, "t", "key NAME"},
     {"hold", Verb::hold, "t", "hold NAME"},
     {"release", Verb::release, "t", "release NAME"},
@@ -26,6 +26,7 @@ constexpr std::array<VerbForm, 13> forms = {{
     {"drop", Verb::drop, "t", "drop FILE"},
     {"resize", Verb::resize, "nn", "resize W H"},
     {"set", Verb::set, "wn", "set NAME VALUE"},
+    {"device", Verb::device, "w", "device NAME@HOST|mouse"},
     {"screenshot", Verb::screenshot, "t", "screenshot FILE"},
     {"quit", Verb::quit, "", "quit"},
 }};

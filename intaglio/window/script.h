@@ -13,6 +13,7 @@
 //   drop FILE        a file dropped onto the window
 //   resize W H       of the window, pixels
 //   set NAME VALUE   a control of the panels by name (docs/run.md)
+//   device NAME      the pen: a VRPN device, NAME@HOST[:PORT], or mouse
 //   screenshot FILE
 //   quit
 #pragma once
@@ -24,12 +25,27 @@
 
 namespace intaglio::window {
 
-enum class Verb { key, hold, release, move, point, down, up, wheel, drop, resize, set, screenshot, quit };
+enum class Verb {
+  key,
+  hold,
+  release,
+  move,
+  point,
+  down,
+  up,
+  wheel,
+  drop,
+  resize,
+  set,
+  device,
+  screenshot,
+  quit
+};
 
 struct ScriptEvent {
   double time = 0;  // s
   Verb verb = Verb::quit;
-  std::string text;     // a key, a button, a file, or what is set
+  std::string text;     // a key, a button, a file, a device, or what is set
   double x = 0, y = 0;  // of move, point, wheel, resize, set
   int line = 0;
 };

@@ -107,6 +107,9 @@ void ScriptPlayer::push(const ScriptEvent& event, SdlWindow& window, Settings& s
       if (!set_by_name(settings, event.text, event.x))
         messages.push_back(fmt::format("script line {}: there is no setting \"{}\"", event.line, event.text));
       return;
+    case Verb::device:
+      settings.device = event.text == "mouse" ? "" : event.text;
+      return;
     case Verb::screenshot:
       screenshot_ = event.text;
       return;
