@@ -70,6 +70,8 @@ void print_json(const window::RunReport& r) {
         {"dropped", r.sound.dropped},
         {"busiest", r.sound.busiest},
         {"delay_s", r.sound.delay}}},
+      {"bodies_taken", r.bodies_taken},
+      {"was_baking", r.was_baking},
       {"gl_errors", r.gl_errors},
       {"gl_error_names", r.gl_error_names},
       {"messages", r.messages},

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "intaglio/render/height_levels.h"
 #include "intaglio/render/mesh.h"
 
 namespace intaglio::render {
@@ -68,7 +69,7 @@ void fill_bodies(FrameBlock& block, const FrameScene& scene, const surface::Plac
     if (solid.shadow_radius > 0) casts(solid.pose.position, solid.shadow_radius);
   for (const auto& part : scene.part_poses)
     if (part.shadow_radius > 0) casts(part.pose.position, part.shadow_radius);
-  block.count = {std::int32_t(balls), scene.pen ? 1 : 0, std::int32_t(scene.representation), 0};
+  block.count = {std::int32_t(balls), scene.pen ? 1 : 0, std::int32_t(scene.representation), block.count[3]};
   if (!scene.pen) return;
   const Pen& pen = *scene.pen;
   block.pen_tip = four(placement.to_local(pen.tip), pen.radius);
@@ -90,6 +91,8 @@ FrameBlock surface_block(const SurfacePart& part, const RendererOptions& options
       surface.colour().empty() ? 0 : 1);
   block.material = four(options.colour, part.roughness);
   block.steps = {options.linear_steps, options.binary_steps, options.shadow_steps, pyramid_levels};
+  if (options.detail == Detail::by_footprint)
+    block.count[3] = std::clamp(pyramid_levels - 1, 0, HeightLevels::coarsest);
   return block;
 }
 

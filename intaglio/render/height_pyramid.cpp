@@ -24,7 +24,9 @@ HeightPyramid::Level cell_tops(const std::vector<float>& z, int width, int heigh
   return level;
 }
 
-HeightPyramid::Level halved(const HeightPyramid::Level& fine) {
+}  // namespace
+
+HeightPyramid::Level halved_bounds(const HeightPyramid::Level& fine) {
   HeightPyramid::Level coarse{fine.width / 2, fine.height / 2, {}};
   coarse.highest.reserve(std::size_t(coarse.width) * std::size_t(coarse.height));
   for (int j = 0; j < coarse.height; ++j) {
@@ -37,15 +39,13 @@ HeightPyramid::Level halved(const HeightPyramid::Level& fine) {
   return coarse;
 }
 
-}  // namespace
-
 HeightPyramid make_height_pyramid(const std::vector<float>& heights, int width, int height) {
   int count = 1;
   while (count < HeightPyramid::most_levels && (1 << count) < std::max(width, height)) ++count;
   HeightPyramid pyramid;
   pyramid.levels.push_back(cell_tops(heights, width, height, 1 << (count - 1)));
   while (static_cast<int>(pyramid.levels.size()) < count)
-    pyramid.levels.push_back(halved(pyramid.levels.back()));
+    pyramid.levels.push_back(halved_bounds(pyramid.levels.back()));
   return pyramid;
 }
 

@@ -20,6 +20,9 @@ struct HeightPyramid {
   std::vector<Level> levels;
 };
 
+// The next level: the greatest of each 2 x 2.
+HeightPyramid::Level halved_bounds(const HeightPyramid::Level& fine);
+
 // `heights` is width x height texels, row by row, at least 2 x 2; cell (i, j) has texels (i, j) and (i + 1, j
 // + 1).
 HeightPyramid make_height_pyramid(const std::vector<float>& heights, int width, int height);

@@ -18,13 +18,14 @@ void connect(const gl::Program& program) {
 
 }  // namespace
 
-Result<Programs> Programs::create(March march, const ShaderFiles& files) {
+Result<Programs> Programs::create(const RendererOptions& options, const ShaderFiles& files) {
   using Names = std::vector<std::string>;
-  const std::string search = march == March::classic ? "march_classic.glsl" : "march_pyramid.glsl";
-  const auto make = [&](gl::Program& program, const char* name, const Names& vertex,
-                        const Names& fragment) -> Result<void> {
+  const std::string search = options.march == March::classic ? "march_classic.glsl" : "march_pyramid.glsl";
+  // RELIEF: whether the surface is drawn as relief.
+  const auto make = [&](gl::Program& program, const char* name, const std::string& constant,
+                        const Names& vertex, const Names& fragment) -> Result<void> {
     const auto pieces = [&](const Names& names) {
-      std::vector<gl::Program::Piece> out;
+      std::vector<gl::Program::Piece> out{{"(constants)", constant + "\n"}};
       for (const std::string& file : names) out.push_back({file, files.at(file)});
       return out;
     };
@@ -34,23 +35,27 @@ Result<Programs> Programs::create(March march, const ShaderFiles& files) {
     connect(program);
     return {};
   };
-  const auto surface = [&](gl::Program& program, const char* name, const char* vertex) {
-    return make(program, name, {"frame.glsl", vertex},
+  const auto surface = [&](gl::Program& program, const char* name, const char* vertex, bool relief) {
+    return make(program, name, fmt::format("const bool RELIEF = {};", relief), {"frame.glsl", vertex},
                 {"frame.glsl", "heights.glsl", search, "shadow.glsl", "lighting.glsl", "surface_shading.glsl",
                  fmt::format("{}.frag", name)});
   };
   const auto solid = [&](gl::Program& program, const char* name) {
-    return make(program, name, {"frame.glsl", "solid.vert"},
+    return make(program, name, "#define RELIEF (count.z == 2)", {"frame.glsl", "solid.vert"},
                 {"frame.glsl", "heights.glsl", "shadow.glsl", "lighting.glsl", fmt::format("{}.frag", name)});
   };
   Programs result;
-  Result<void> ok = surface(result.slab, "slab", "slab.vert");
-  if (ok) ok = surface(result.mesh, "mesh", "solid.vert");
-  if (ok) ok = surface(result.shell, "shell", "shell.vert");
+  Result<void> ok = surface(result.relief_slab, "slab", "slab.vert", true);
+  if (ok) ok = surface(result.slab, "slab", "slab.vert", false);
+  if (ok) ok = surface(result.mesh, "mesh", "solid.vert", true);
+  if (ok) ok = surface(result.relief_shell, "shell", "shell.vert", true);
+  if (ok) ok = surface(result.shell, "shell", "shell.vert", false);
   if (ok) ok = solid(result.ball, "ball");
   if (ok) ok = solid(result.plain, "plain");
   if (ok) ok = solid(result.pen, "pen");
-  if (ok) ok = make(result.resolve, "resolve", {"screen.vert"}, {"resolve.frag"});
+  if (ok)
+    ok = make(result.resolve, "resolve", fmt::format("const int SUPERSAMPLE = {};", options.supersample),
+              {"screen.vert"}, {"resolve.frag"});
   if (!ok) return tl::unexpected(ok.error());
   return result;
 }

@@ -138,7 +138,7 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const surface::Surface& surfa
   }
   auto canvas = Canvas::create(options);
   if (!canvas) return tl::unexpected(canvas.error());
-  auto programs = Programs::create(options.march, embedded_shaders());
+  auto programs = Programs::create(options, embedded_shaders());
   if (!programs) return tl::unexpected(programs.error());
   auto part = Part::create({.surface = &surface,
                             .slab_thickness = options.slab_thickness,
@@ -197,7 +197,7 @@ Result<void> Renderer::reload_shaders(const std::filesystem::path& folder) {
   const auto scope = current(gpu_->context);
   const auto files = shaders_from(folder);
   if (!files) return tl::unexpected(files.error());
-  auto programs = Programs::create(gpu_->options.march, *files);
+  auto programs = Programs::create(gpu_->options, *files);
   if (!programs) return tl::unexpected(programs.error());
   gpu_->programs = std::move(*programs);
   return {};
@@ -289,7 +289,7 @@ void Renderer::Gpu::draw_part(std::size_t index, const FrameScene& scene) {
     part.mesh->draw();
     return;
   }
-  programs.slab.use();
+  (scene.representation == Representation::relief ? programs.relief_slab : programs.slab).use();
   glCullFace(GL_FRONT);
   no_vertices.draw_unindexed(36);
   glCullFace(GL_BACK);
@@ -297,9 +297,11 @@ void Renderer::Gpu::draw_part(std::size_t index, const FrameScene& scene) {
 
 void Renderer::Gpu::draw_shell(std::size_t index, const FrameScene& scene) {
   const Pose pose = index < scene.part_poses.size() ? scene.part_poses[index].pose : Pose();
-  programs.shell.use();
-  programs.shell.set("model", model_matrix(pose, 1, parts[index].placement));
-  programs.shell.set("self_caster", caster_of_part(scene, index));
+  const gl::Program& shell =
+      scene.representation == Representation::relief ? programs.relief_shell : programs.shell;
+  shell.use();
+  shell.set("model", model_matrix(pose, 1, parts[index].placement));
+  shell.set("self_caster", caster_of_part(scene, index));
   glCullFace(GL_FRONT);
   parts[index].shell->draw();
   glCullFace(GL_BACK);
@@ -351,7 +353,6 @@ void Renderer::Gpu::resolve(const Background& background) {
   glDisable(GL_DEPTH_TEST);
   canvas.samples.colour().bind(samples_unit);
   programs.resolve.use();
-  programs.resolve.set("supersample", options.supersample);
   programs.resolve.set("background_top", Eigen::Vector3f(background.top.cast<float>()));
   programs.resolve.set("background_bottom", Eigen::Vector3f(background.bottom.cast<float>()));
   no_vertices.draw_unindexed(3);

@@ -30,6 +30,11 @@ namespace intaglio::render {
 // pyramid.
 enum class March { classic, pyramid };
 
+// What of the relief a sample meets that is larger than texels: the means of what it covers, as of colours
+// and normals (height_levels.h), or the one texel in its middle. Texels that are larger than samples are met
+// as they are.
+enum class Detail { by_footprint, every_texel };
+
 // Whose OpenGL 3.3 core context is drawn with.
 enum class Context {
   own,      // one without a window (egl_context.h)
@@ -53,6 +58,7 @@ struct RendererOptions {
   int height = 720;
   int supersample = 2;  // samples along a pixel's side, 1..4
   March march = March::pyramid;
+  Detail detail = Detail::by_footprint;
   int linear_steps = 32;  // classic: linear steps
   int binary_steps = 6;   // classic: halvings after them
   int shadow_steps = 32;  // the most steps of the self-shadow, one a texel where that suffices; 0: none

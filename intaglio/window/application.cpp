@@ -36,7 +36,8 @@ class Application {
       : options_(options),
         window_(window),
         settings_(std::move(settings)),
-        panels_(settings_.interface_scale > 0 ? settings_.interface_scale : window.size().scale),
+        panels_(settings_.interface_scale > 0 ? settings_.interface_scale : window.size().scale,
+                window.size().density()),
         hands_(render::Camera{}),
         script_(options.script),
         start_(start) {
@@ -52,6 +53,7 @@ class Application {
     return settings_.interface_scale > 0 ? settings_.interface_scale : window_.size().scale;
   }
   void say(const std::string& message);
+  std::optional<Vec2> seen_at(std::size_t body);
   void begin_session();
   void draw(double seconds);
   void draw_panels_over(double seconds);
@@ -107,7 +109,8 @@ Result<RunReport> Application::run() {
   while (!script_.is_over()) {
     if (options_.interrupted != nullptr && options_.interrupted->load()) break;
     Wishes wishes;
-    if (has_picture_) script_.play(window_, settings_, report_.messages);
+    if (has_picture_)
+      script_.play(window_, settings_, report_.messages, [this](std::size_t body) { return seen_at(body); });
     SDL_Event event;
     while (SDL_PollEvent(&event) != 0) {
       const bool captured = panels_.take(event);
@@ -142,6 +145,22 @@ Result<RunReport> Application::run() {
   stop_recording();
   report_.was_baking = stage_.is_baking();
   return report_;
+}
+
+// Where in the window a body's middle is; 1 is the first ball, 0 the first body that can be dragged there.
+std::optional<Vec2> Application::seen_at(std::size_t body) {
+  session::LiveSession* session = stage_.session();
+  if (session == nullptr) return std::nullopt;
+  const WindowSize size = window_.size();
+  const Projection projection(hands_.camera().camera(), static_cast<double>(size.width) / size.height);
+  const session::LiveState& state = session->state();
+  for (std::size_t k = std::max<std::size_t>(body, 1);
+       k <= (body == 0 ? state.bodies : std::min(body, state.bodies)); ++k) {
+    const auto place = projection.project(state.pose[k - 1].position);
+    const bool is_inside = place && (place->array() > 0.02).all() && (place->array() < 0.98).all();
+    if (is_inside && (body != 0 || session->is_free(static_cast<BodyId>(k)))) return place;
+  }
+  return std::nullopt;
 }
 
 void Application::begin_session() {
@@ -307,6 +326,7 @@ void Application::note_gl_errors() {
 
 void Application::finish_report() {
   report_.seconds = since(start_);
+  report_.bodies_taken = hands_.taken();
   report_.frames = {times_.count(), times_.over(frame_deadline), times_.quantile(0.5), times_.quantile(0.99),
                     times_.quantile(1)};
   session::LiveSession* session = stage_.session();
@@ -337,6 +357,7 @@ Result<RunReport> run(const RunOptions& options) {
   if (options.width) settings.width = *options.width;
   if (options.height) settings.height = *options.height;
   if (options.interface_scale) settings.interface_scale = *options.interface_scale;
+  settings.device = options.device;
   auto window = SdlWindow::create("Intaglio", settings.width, settings.height);
   if (!window) return tl::unexpected(window.error());
   Application application(options, **window, settings, start);

@@ -56,6 +56,7 @@ struct RunReport {
     std::uint64_t buffers = 0, underruns = 0, events = 0, dropped = 0;
     double busiest = 0, delay = 0;
   } sound;
+  std::uint64_t bodies_taken = 0;  // by the mouse
   std::uint64_t gl_errors = 0;
   std::vector<std::string> gl_error_names;
   std::vector<std::string> messages;  // all that the window said, in order

@@ -174,9 +174,11 @@ void Hands::drag(session::LiveSession& session, const Projection& projection) {
     const auto picked = pick_body(session.scene(), {state.pose.data(), state.bodies}, projection.eye, ray);
     const auto floor = pick_floor(*session.surface().surface, false, projection.eye, ray);
     const bool hidden = picked && floor && (*floor - projection.eye).norm() < picked->distance - 0.05;
-    if (picked && !hidden && session.is_free(picked->body))
+    if (picked && !hidden && session.is_free(picked->body)) {
       dragging_ = {picked->body, state.pose[picked->body - 1].to_local(picked->point),
                    picked->distance * ray.dot(projection.ahead)};
+      ++taken_;
+    }
   }
   controls_.dragged = dragging_ ? dragging_->body : floor_body;
   if (!dragging_) return;

@@ -54,6 +54,7 @@ class Hands {
     double distance;  // along the ray
   };
   const std::optional<Dragging>& dragging() const { return dragging_; }
+  std::uint64_t taken() const { return taken_; }  // bodies that were dragged, since the start
 
  private:
   enum class Motion { none, orbit, look, pan, press };
@@ -71,6 +72,7 @@ class Hands {
   Motion motion_ = Motion::none;
   bool wants_body_ = false;  // a press that may have met one
   std::optional<Dragging> dragging_;
+  std::uint64_t taken_ = 0;
   double press_ = 1;  // of the pen, in hundredths of the floor's side below it
   Vec3 flying_ = Vec3::Zero();
   unsigned keys_ = 0, shoulders_ = 0;

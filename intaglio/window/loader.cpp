@@ -16,7 +16,7 @@ Loaded load(LoadRequest request) {
   }
   if (request.surface) {
     auto session =
-        session::LiveSession::create(request.scene, *request.surface, request.options, request.device);
+        session::LiveSession::create(request.scene, *request.surface, request.options, request.device.get());
     if (session) {
       loaded.session = std::move(*session);
     } else {

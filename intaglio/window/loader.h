@@ -16,7 +16,7 @@ namespace intaglio::window {
 struct LoadRequest {
   session::Scene scene;
   session::LiveOptions options;
-  haptics::Device* device = nullptr;
+  std::shared_ptr<haptics::Device> device;       // the pen's; none: the mouse
   std::optional<session::SceneSurface> surface;  // when it is known already
   bool goes_on = false;                          // bodies go on where they are
 };

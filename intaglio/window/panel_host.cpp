@@ -30,7 +30,7 @@ constexpr KeyName keys[] = {
     {ImGuiKey_Space, SDL_SCANCODE_SPACE},
 };
 
-void dress(double scale) {
+void dress(double scale, double density) {
   ImGui::StyleColorsDark();
   ImGuiStyle& style = ImGui::GetStyle();
   style.WindowRounding = 6;
@@ -41,20 +41,22 @@ void dress(double scale) {
   style.Colors[ImGuiCol_TitleBgActive] = ImVec4(0.12f, 0.14f, 0.18f, 0.95f);
   style.ScaleAllSizes(static_cast<float>(scale));
   ImFontConfig font;
-  font.SizePixels = std::floor(13 * static_cast<float>(scale));
+  // As fine as the pixels, as large as the panels' units say.
+  font.SizePixels = static_cast<float>(std::floor(13 * scale * density));
+  ImGui::GetIO().FontGlobalScale = static_cast<float>(1 / density);
   ImGui::GetIO().Fonts->AddFontDefault(&font);
 }
 
 }  // namespace
 
-PanelHost::PanelHost(double scale) {
+PanelHost::PanelHost(double scale, double density) {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;  // settings.h keeps what is kept
   io.BackendPlatformName = "intaglio";
   for (const KeyName& key : keys) io.KeyMap[key.imgui] = key.sdl;
-  dress(scale);
+  dress(scale, density);
   ImGui_ImplOpenGL3_Init("#version 330 core");
 }
 

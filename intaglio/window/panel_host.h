@@ -12,7 +12,7 @@ namespace intaglio::window {
 
 class PanelHost {
  public:
-  explicit PanelHost(double scale);
+  PanelHost(double scale, double density);
   ~PanelHost();
   PanelHost(const PanelHost&) = delete;
   PanelHost& operator=(const PanelHost&) = delete;

@@ -84,16 +84,25 @@ void senses_panel(Settings& settings) {
   ImGui::Checkbox("rumble", &settings.rumble);
 }
 
+// A VRPN device by its address, taken when Enter is pressed; nothing: the mouse.
+void device_field(Settings& settings) {
+  static std::array<char, 128> typed{};  // what is being typed is nobody else's business
+  if (ImGui::InputTextWithHint("VRPN pen", settings.device.empty() ? "NAME@HOST" : settings.device.c_str(),
+                               typed.data(), typed.size(), ImGuiInputTextFlags_EnterReturnsTrue))
+    settings.device = typed.data();
+}
+
 void touch_panel(Settings& settings, session::LiveSession& session, const PanelFacts& facts,
                  const session::LiveState& state, PanelActions& actions) {
   if (!ImGui::CollapsingHeader("Touch", ImGuiTreeNodeFlags_DefaultOpen)) return;
   ImGui::Checkbox("the mouse leads the pen (P)", &settings.pen);
+  device_field(settings);
   double stiffness = session.scene().pen->spring.stiffness;
   if (slider("stiffness, N/m", stiffness, 50, 2000, "%.0f")) settings.stiffness = stiffness;
   if (!facts.force.empty())
     ImGui::PlotLines("##force", facts.force.data(), static_cast<int>(facts.force.size()), 0,
                      fmt::format("force {:.2f} N", state.pen.force.norm()).c_str(), 0, 8,
-                     ImVec2(ImGui::GetContentRegionAvail().x, 60));
+                     ImVec2(ImGui::GetContentRegionAvail().x, 4.6f * ImGui::GetFontSize()));
   if ((state.pen.guard_status & haptics::guard_status::fault) != 0) {
     text("the guard let go of the hand");
     actions.rearm = ImGui::Button("Take it again");
@@ -178,10 +187,12 @@ void draw_status_line(const Settings& settings, const PanelFacts& facts) {
   if (line.empty()) return;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
   const ImVec2 extent = ImGui::CalcTextSize(line.c_str(), nullptr, false, 0.96f * size.x);
-  const ImVec2 at(0.02f * size.x, size.y - extent.y - 12);
+  const float unit = ImGui::GetFontSize() / 13;
+  const ImVec2 at(0.02f * size.x, size.y - extent.y - 12 * unit);
   ImDrawList* list = ImGui::GetForegroundDrawList();
-  list->AddRectFilled(ImVec2(at.x - 8, at.y - 5), ImVec2(at.x + extent.x + 8, at.y + extent.y + 5),
-                      IM_COL32(10, 12, 16, 200), 5);
+  list->AddRectFilled(ImVec2(at.x - 8 * unit, at.y - 5 * unit),
+                      ImVec2(at.x + extent.x + 8 * unit, at.y + extent.y + 5 * unit),
+                      IM_COL32(10, 12, 16, 200), 5 * unit);
   list->AddText(ImGui::GetFont(), ImGui::GetFontSize(), at, IM_COL32(235, 235, 235, 255), line.c_str(),
                 nullptr, 0.96f * size.x);
 }

@@ -54,7 +54,7 @@ Result<void> Recorder::add(const Image8& frame, double time) {
 }
 
 void Recorder::hear(std::span<const float> stereo) {
-  for (std::size_t k = 0; k + 1 < stereo.size(); k += 2) audio_.push_back(0.5f * (stereo[k] + stereo[k + 1]));
+  audio_.insert(audio_.end(), stereo.begin(), stereo.end());
 }
 
 void Recorder::work() {
@@ -82,10 +82,10 @@ Result<void> Recorder::finish() {
   if (error_) return tl::unexpected(*error_);
   if (frames_ == 0) return fail(target_.string(), "nothing was recorded");
   // As long as the picture, to the sample.
-  audio_.resize(static_cast<std::size_t>(seconds() * sample_rate_));
+  audio_.resize(2 * static_cast<std::size_t>(seconds() * sample_rate_));
   auto wav = target_;
   wav.replace_extension(".recording.wav");
-  const auto written = sound::write_wav(wav, audio_, sample_rate_);
+  const auto written = sound::write_wav(wav, audio_, sample_rate_, {.channels = 2});
   const auto joined = written ? video_->finish(wav) : written;
   std::error_code ignored;
   std::filesystem::remove(wav, ignored);

@@ -1,6 +1,6 @@
 // Records what the window shows, with what is heard, into an MP4: frames at a fixed rate whatever the
-// window's is, sound mixed to one channel. Encoding is done by a thread of its own and by ffmpeg; the window
-// never waits for it: frames that find the queue full repeat the one before.
+// window's is, sound in stereo as it is played. Encoding is done by a thread of its own and by ffmpeg; the
+// window never waits for it: frames that find the queue full repeat the one before.
 //
 // One thread (the window's). When the disk is full or ffmpeg dies, add() says so once and recording is over.
 #pragma once
@@ -50,7 +50,7 @@ class Recorder {
   std::filesystem::path target_;
   int width_ = 0, height_ = 0, fps_ = 30, sample_rate_ = 44'100;
   std::unique_ptr<session::VideoWriter> video_;
-  std::vector<float> audio_;
+  std::vector<float> audio_;  // left and right by turns
   std::int64_t frames_ = 0;
   std::uint64_t repeated_ = 0;
   int owed_ = 0;  // frames that found no room

@@ -14,17 +14,19 @@ struct VerbForm {
   const char* arguments;  // t: the rest as text, w: a word, n: a number
   const char* says;
 };
-constexpr std::array<VerbForm, 12> forms = {{
+constexpr std::array<VerbForm, 14> forms = {{
     {"key", Verb::key, "t", "key NAME"},
     {"hold", Verb::hold, "t", "hold NAME"},
     {"release", Verb::release, "t", "release NAME"},
     {"move", Verb::move, "nn", "move X Y"},
+    {"point", Verb::point, "n", "point BODY"},
     {"down", Verb::down, "w", "down left|middle|right"},
     {"up", Verb::up, "w", "up left|middle|right"},
     {"wheel", Verb::wheel, "n", "wheel NOTCHES"},
     {"drop", Verb::drop, "t", "drop FILE"},
     {"resize", Verb::resize, "nn", "resize W H"},
     {"set", Verb::set, "wn", "set NAME VALUE"},
+    {"device", Verb::device, "w", "device NAME@HOST|mouse"},
     {"screenshot", Verb::screenshot, "t", "screenshot FILE"},
     {"quit", Verb::quit, "", "quit"},
 }};

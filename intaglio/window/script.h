@@ -6,11 +6,14 @@
 //   key NAME         pressed and let go; SDL's names: Space, R, F9, Left
 //   hold NAME, release NAME
 //   move X Y         the mouse; parts of the window, 0..1, from its upper left corner
+//   point BODY       the mouse to where the middle of a body is seen; 1 is the scene's first
+//                    ball, 0 the first that is seen and can be dragged
 //   down BUTTON, up BUTTON       left, middle or right
 //   wheel NOTCHES    forward is positive
 //   drop FILE        a file dropped onto the window
 //   resize W H       of the window, pixels
 //   set NAME VALUE   a control of the panels by name (docs/run.md)
+//   device NAME      the pen: a VRPN device, NAME@HOST[:PORT], or mouse
 //   screenshot FILE
 //   quit
 #pragma once
@@ -22,13 +25,28 @@
 
 namespace intaglio::window {
 
-enum class Verb { key, hold, release, move, down, up, wheel, drop, resize, set, screenshot, quit };
+enum class Verb {
+  key,
+  hold,
+  release,
+  move,
+  point,
+  down,
+  up,
+  wheel,
+  drop,
+  resize,
+  set,
+  device,
+  screenshot,
+  quit
+};
 
 struct ScriptEvent {
   double time = 0;  // s
   Verb verb = Verb::quit;
-  std::string text;     // a key, a button, a file, or what is set
-  double x = 0, y = 0;  // of move, wheel, resize, set
+  std::string text;     // a key, a button, a file, a device, or what is set
+  double x = 0, y = 0;  // of move, point, wheel, resize, set
   int line = 0;
 };
 

@@ -2,6 +2,7 @@
 
 #include <SDL2/SDL.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace intaglio::window {
@@ -23,22 +24,39 @@ void push_key(SDL_Scancode code, bool down) {
 
 }  // namespace
 
-void ScriptPlayer::play(SdlWindow& window, Settings& settings, std::vector<std::string>& messages) {
+void ScriptPlayer::play(SdlWindow& window, Settings& settings, std::vector<std::string>& messages,
+                        const Where& where) {
   screenshot_.clear();
   if (!started_) start_ = std::chrono::steady_clock::now();
   started_ = true;
   const double now = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   while (next_ < events_.size() && events_[next_].time <= now) {
     const ScriptEvent& event = events_[next_];
-    push(event, window, settings, messages);
+    push(event, window, settings, messages, where);
     ++next_;
     // A press and what comes after it must not be seen in one picture.
     if (event.verb != Verb::set && event.verb != Verb::hold && event.verb != Verb::release) return;
   }
 }
 
+void ScriptPlayer::move_mouse(const Vec2& place, const SdlWindow& window) {
+  const WindowSize size = window.size();
+  const int x = static_cast<int>(std::lround(place.x() * size.window_width));
+  const int y = static_cast<int>(std::lround(place.y() * size.window_height));
+  SDL_Event pushed{};
+  pushed.type = SDL_MOUSEMOTION;
+  pushed.motion.state = buttons_;
+  pushed.motion.x = x;
+  pushed.motion.y = y;
+  pushed.motion.xrel = x - x_;
+  pushed.motion.yrel = y - y_;
+  x_ = x;
+  y_ = y;
+  SDL_PushEvent(&pushed);
+}
+
 void ScriptPlayer::push(const ScriptEvent& event, SdlWindow& window, Settings& settings,
-                        std::vector<std::string>& messages) {
+                        std::vector<std::string>& messages, const Where& where) {
   SDL_Event pushed{};
   switch (event.verb) {
     case Verb::key:
@@ -53,20 +71,13 @@ void ScriptPlayer::push(const ScriptEvent& event, SdlWindow& window, Settings& s
       if (event.verb != Verb::hold) push_key(code, false);
       return;
     }
-    case Verb::move: {
-      const WindowSize size = window.size();
-      const int x = static_cast<int>(std::lround(event.x * size.window_width));
-      const int y = static_cast<int>(std::lround(event.y * size.window_height));
-      pushed.type = SDL_MOUSEMOTION;
-      pushed.motion.state = buttons_;
-      pushed.motion.x = x;
-      pushed.motion.y = y;
-      pushed.motion.xrel = x - x_;
-      pushed.motion.yrel = y - y_;
-      x_ = x;
-      y_ = y;
-      break;
-    }
+    case Verb::move:
+      return move_mouse({event.x, event.y}, window);
+    case Verb::point:
+      if (const auto place = where(static_cast<std::size_t>(std::max(0.0, event.x))))
+        return move_mouse(*place, window);
+      messages.push_back(fmt::format("script line {}: body {} is not seen", event.line, event.x));
+      return;
     case Verb::down:
     case Verb::up: {
       const int button = button_of(event.text);
@@ -95,6 +106,9 @@ void ScriptPlayer::push(const ScriptEvent& event, SdlWindow& window, Settings& s
     case Verb::set:
       if (!set_by_name(settings, event.text, event.x))
         messages.push_back(fmt::format("script line {}: there is no setting \"{}\"", event.line, event.text));
+      return;
+    case Verb::device:
+      settings.device = event.text == "mouse" ? "" : event.text;
       return;
     case Verb::screenshot:
       screenshot_ = event.text;

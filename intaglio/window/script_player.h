@@ -2,9 +2,12 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "intaglio/core/vec.h"
 #include "intaglio/window/script.h"
 #include "intaglio/window/sdl_window.h"
 #include "intaglio/window/settings.h"
@@ -15,9 +18,11 @@ class ScriptPlayer {
  public:
   explicit ScriptPlayer(std::vector<ScriptEvent> events) : events_(std::move(events)) {}
 
+  // The place of a body in the window, 0..1, if it is seen.
+  using Where = std::function<std::optional<Vec2>(std::size_t body)>;
   // Pushes what is due, one event a call for those that pictures must see one by one. The clock starts with
   // the first call.
-  void play(SdlWindow& window, Settings& settings, std::vector<std::string>& messages);
+  void play(SdlWindow& window, Settings& settings, std::vector<std::string>& messages, const Where& where);
   // A file to which a screenshot of this picture should go.
   const std::string& screenshot() const { return screenshot_; }
   void stop() { over_ = true; }
@@ -25,7 +30,8 @@ class ScriptPlayer {
 
  private:
   void push(const ScriptEvent& event, SdlWindow& window, Settings& settings,
-            std::vector<std::string>& messages);
+            std::vector<std::string>& messages, const Where& where);
+  void move_mouse(const Vec2& place, const SdlWindow& window);
 
   std::vector<ScriptEvent> events_;
   std::size_t next_ = 0;

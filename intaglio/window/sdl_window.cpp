@@ -71,10 +71,13 @@ WindowSize SdlWindow::size() const {
   float dpi = 96;
   if (SDL_GetDisplayDPI(std::max(SDL_GetWindowDisplayIndex(window_), 0), &dpi, nullptr, nullptr) != 0)
     dpi = 96;
-  // By quarters; a screen that says nonsense counts as a usual one.
-  const double by_screen = dpi > 400 || dpi < 110 ? 1 : std::round(4 * static_cast<double>(dpi) / 96) / 4;
-  size.scale = std::max(by_screen, static_cast<double>(size.width) / size.window_width);
+  size.scale = panel_scale(static_cast<double>(dpi), size.density());
   return size;
+}
+
+double panel_scale(double dpi, double density) {
+  const double by_screen = dpi > 400 || !(dpi >= 110) ? 1 : std::round(4 * dpi / 96) / 4;
+  return std::max(1.0, by_screen / std::max(density, 1.0));
 }
 
 void SdlWindow::resize(int width, int height) {

@@ -15,9 +15,16 @@ namespace intaglio::window {
 struct WindowSize {
   int width = 0, height = 0;                // of what is drawn, pixels
   int window_width = 0, window_height = 0;  // in the units of mouse events
-  // How much larger than usual panels should be; 1 or more.
+  // How much larger than usual panels should be, in the units of mouse events; 1 or more.
   double scale = 1;
+
+  // Pixels in a unit of mouse events: 1, or more where the desktop itself enlarges (Wayland, macOS).
+  double density() const { return static_cast<double>(width) / window_width; }
 };
+
+// The scale of panels on a screen of that many dots an inch, by quarters; a screen that says nonsense counts
+// as a usual one. What the desktop enlarges already is not enlarged again.
+double panel_scale(double dpi, double density);
 
 class SdlWindow {
  public:

@@ -36,6 +36,7 @@ struct Settings {
   double stiffness = -1;    // N/m; below 0: the scene's
   bool papers_method = false;
   std::string material;  // of the floor; empty: the scene's
+  std::string device;    // the pen: NAME@HOST[:PORT] of a VRPN device; empty: the mouse
 };
 
 // A named number or switch of the settings.

@@ -18,6 +18,13 @@ bool differ(const Settings& a, const Settings& b) {
   return key(a) != key(b);
 }
 
+constexpr std::chrono::seconds patience(3);  // with a device that is dialled
+
+Error no_answer(const std::string& device, const haptics::vrpn::VrpnDevice& pen) {
+  return {device, "the pen's device does not answer: " + pen.last_failure().error.message(),
+          "start its VRPN server (intaglio devices serve is one to try), or use the mouse"};
+}
+
 }  // namespace
 
 session::Scene with_settings(session::Scene scene, const Settings& settings) {
@@ -45,12 +52,9 @@ Result<std::string> Stage::open(const std::string& audio, const std::string& dev
   if (!device.empty()) {
     const auto address = haptics::vrpn::parse_address(device);
     if (!address) return tl::unexpected(address.error());
-    pen_ = std::make_unique<haptics::vrpn::VrpnDevice>(*address);
-    if (!pen_->wait_for_link(std::chrono::seconds(3))) {
-      const Error why = pen_->last_failure().error;
-      return fail(device, "the pen's device does not answer: " + why.message(),
-                  "start its VRPN server, or leave --device away to use the mouse");
-    }
+    pen_ = std::make_shared<haptics::vrpn::VrpnDevice>(*address);
+    device_ = device;
+    if (!pen_->wait_for_link(patience)) return tl::unexpected(no_answer(device, *pen_));
   }
   return note;
 }
@@ -69,7 +73,7 @@ void Stage::ask(const session::Scene& scene, const Settings& settings, bool goes
                      cache_folder().empty() ? std::filesystem::path() : cache_folder() / "models",
                      audio_ ? audio_->sample_rate() : 44'100,
                      scene.sound.gain_db + settings.volume};
-  request.device = pen_.get();
+  request.device = pen_;
   request.goes_on = goes_on;
   // The texture as it is, when nothing about it has changed.
   if (goes_on && session_ != nullptr && asked_ && settings.depth == asked_->depth &&
@@ -108,7 +112,35 @@ void Stage::set_shaders(const std::filesystem::path& folder) {
   wants_shaders_ = !folder.empty();
 }
 
+// Another device is dialled while the old one is used; the session that follows has it.
+std::string Stage::keep_pen(const Settings& settings, double now) {
+  if (settings.device != device_) {
+    device_ = settings.device;
+    dialled_.reset();
+    if (device_.empty()) {
+      pen_.reset();
+      ask(asked_base_, settings, true);
+      return "the mouse is the pen";
+    }
+    const auto address = haptics::vrpn::parse_address(device_);
+    if (!address) return address.error().message();
+    dialled_ = std::make_shared<haptics::vrpn::VrpnDevice>(*address);
+    dialled_since_ = now;
+  }
+  if (!dialled_) return "";
+  if (dialled_->wait_for_link(std::chrono::milliseconds(0))) {
+    pen_ = std::exchange(dialled_, nullptr);
+    ask(asked_base_, settings, true);
+    return device_ + " is the pen";
+  }
+  if (now - dialled_since_ < std::chrono::duration<double>(patience).count()) return "";
+  const Error error = no_answer(device_, *dialled_);
+  dialled_.reset();
+  return error.message();
+}
+
 std::string Stage::keep_up(const Settings& settings, double now) {
+  if (std::string said = asked_ ? keep_pen(settings, now) : ""; !said.empty()) return said;
   if (!shaders_.empty() && renderer_ && (shader_watch_.has_changed(now) || wants_shaders_)) {
     wants_shaders_ = false;
     const auto read = renderer_->reload_shaders(shaders_);
@@ -140,6 +172,7 @@ bool Stage::poll(std::string& message) {
   const bool is_other = !session_ || !loaded->request.goes_on;
   base_ = asked_base_;
   session_ = std::move(loaded->session);
+  sessions_pen_ = std::move(loaded->request.device);
   picture_ = std::make_unique<session::ScenePicture>(session_->scene(), session_->surface());
   if (auto shown = show(); !shown) message = shown.error().message();
   session_->start(&tap_, &baker_);
@@ -193,7 +226,8 @@ Result<void> Stage::draw(const render::Camera& camera, const Settings& settings,
   const session::LiveState& state = session_->state();
   const session::Scene& scene = session_->scene();
   const std::size_t balls = std::min(scene.balls.size(), state.bodies);
-  const std::optional<Vec3> tip = settings.pen || pen_ ? std::optional<Vec3>(state.pen.proxy) : std::nullopt;
+  const std::optional<Vec3> tip =
+      settings.pen || sessions_pen_ ? std::optional<Vec3>(state.pen.proxy) : std::nullopt;
   render::FrameScene frame =
       picture_->frame({state.pose.data(), balls}, {state.pose.data() + balls, state.bodies - balls}, tip);
   frame.camera = camera;

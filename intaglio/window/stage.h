@@ -49,11 +49,15 @@ class Stage {
 
  private:
   Result<void> show();
+  std::string keep_pen(const Settings& settings, double now);
 
   session::AudioTap tap_;
   session::VoiceBaker baker_;
   std::unique_ptr<sound::AudioDevice> audio_;
-  std::unique_ptr<haptics::vrpn::VrpnDevice> pen_;
+  std::shared_ptr<haptics::vrpn::VrpnDevice> pen_, dialled_;  // asked for, and not heard of yet
+  std::shared_ptr<haptics::Device> sessions_pen_;             // of the session that is on
+  std::string device_;                                        // what was asked for last
+  double dialled_since_ = 0;
   Loader loader_;
   session::Scene base_, asked_base_;  // what is on, and what was asked for
   std::optional<Settings> asked_;     // with which settings

@@ -119,7 +119,7 @@ play recording --fresh <<SCRIPT
 SCRIPT
 check "a recording through a resize" report recording "r['gl_errors'] == 0 and any(w.endswith('.mp4') for w in r['written'])"
 video=$(ls "$work"/*.mp4 2>/dev/null | head -1)
-check "the video has picture and sound" [ "$(ffprobe -v error -show_entries stream=codec_name -of csv=p=0 "$video" 2>/dev/null | sort | tr '\n' ' ')" = "aac h264 " ]
+check "the video has picture and sound in stereo" [ "$(ffprobe -v error -show_entries stream=codec_name,channels -of csv=p=0 "$video" 2>/dev/null | sort | tr '\n' ' ')" = "aac,2 h264 " ]
 check "no leftovers of the recording" [ -z "$(ls "$work" | grep -E 'silent|recording.wav|tmp')" ]
 
 if [ -w /dev/full ]; then
@@ -143,6 +143,22 @@ printf '0.3 set mesh 64\n0.8 set mesh 0\n1.0 set classic 1\n1.5 set classic 0\n7
 check "meshes and steps in place of the exact trace; a shader that breaks is said with file and line" \
   report shaders "r['gl_errors'] == 0 and any('lighting.glsl:' in m for m in r['messages'])"
 wait
+
+# The pen changes hands while the window is open: our own VRPN server's, one that is not there, the mouse again.
+"$intaglio" devices serve --port 0 >"$work/server.log" 2>&1 &
+server=$!
+for _ in $(seq 200); do grep -q '^serving' "$work/server.log" && break; sleep 0.05; done
+port=$(sed -n 's/^serving Phantom0 on 127.0.0.1:\([0-9]*\);.*/\1/p' "$work/server.log")
+play pens --fresh <<SCRIPT
+0.2 device Phantom0@127.0.0.1:$port
+2.5 device Nobody0@127.0.0.1:1
+6.5 device mouse
+8.0 quit
+SCRIPT
+check "a VRPN pen is taken, one that does not answer is said, and the mouse is the pen again" report pens \
+  "r['gl_errors'] == 0 and [m for m in r['messages'] if 'pen' in m][0].startswith('Phantom0') and any('does not answer' in m for m in r['messages']) and any('the mouse is the pen' in m for m in r['messages'])"
+kill "$server"
+wait "$server" 2>/dev/null
 
 printf '0.1 set volume -12\n0.3 quit\n' | play kept
 check "settings are kept" grep -q '^volume = -12' "$work/config/intaglio/window.toml"

@@ -70,6 +70,7 @@ inline RendererOptions small_options() {
   options.width = 160;
   options.height = 90;
   options.supersample = 1;
+  options.detail = Detail::every_texel;  // what brute force meets
   return options;
 }
 

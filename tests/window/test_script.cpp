@@ -8,10 +8,10 @@ using namespace intaglio::window;
 TEST_CASE("a script reads as it is written: times, verbs, arguments, comments") {
   const auto events = parse_script(
       "# a test\n0.5 key Space\n\n1 move 0.25 0.75  # there\n1.0 down left\n2 drop my wall.png\n2 set pen 1\n"
-      "3 wheel -2\n3.5 resize 640 360\n4 quit\n",
+      "2.5 point 2\n3 wheel -2\n3.5 resize 640 360\n4 quit\n",
       "t");
   REQUIRE(events);
-  REQUIRE(events->size() == 8);
+  REQUIRE(events->size() == 9);
   CHECK((*events)[0].verb == Verb::key);
   CHECK((*events)[0].text == "Space");
   CHECK((*events)[1].x == 0.25);
@@ -19,9 +19,11 @@ TEST_CASE("a script reads as it is written: times, verbs, arguments, comments") 
   CHECK((*events)[3].text == "my wall.png");
   CHECK((*events)[4].text == "pen");
   CHECK((*events)[4].x == 1);
-  CHECK((*events)[5].x == -2);
-  CHECK((*events)[7].verb == Verb::quit);
-  CHECK((*events)[7].line == 10);
+  CHECK((*events)[5].verb == Verb::point);
+  CHECK((*events)[5].x == 2);
+  CHECK((*events)[6].x == -2);
+  CHECK((*events)[8].verb == Verb::quit);
+  CHECK((*events)[8].line == 11);
 }
 
 TEST_CASE("a bad script is refused in one line that names the line") {

@@ -1,4 +1,4 @@
-// What every shader knows of the frame; FrameBlock in renderer.cpp mirrors it. All in the surface's local frame: metres
+// What every shader knows of the frame; FrameBlock in frame_block.h mirrors it. All in the surface's local frame: metres
 // along (t, b, n) from the corner u = v = 0, the base plane at z = 0 and the relief at z = -depth.
 precision highp float;
 precision highp int;
@@ -17,7 +17,8 @@ layout(std140) uniform Frame {
   vec4 texels;          // xy: texels along u and v; z: the smaller texel in metres; w: 1 when there is a colour map
   vec4 material;        // rgb: colour without a colour map; w: roughness
   ivec4 steps;          // linear, binary, shadow steps; w: levels of the pyramid
-  ivec4 count;          // x: balls that cast shadows; y: pens (0 or 1); z: representation (0 flat, 1 normal, 2 relief)
+  ivec4 count;          // x: balls that cast shadows; y: pens (0 or 1); z: representation (0 flat, 1 normal, 2 relief);
+                        // w: coarsest level of heights that a sample may ask for
   vec4 pen_tip;         // xyz; w: radius of the shaft
   vec4 pen_direction;   // xyz, unit; w: length
   vec4 pen_cone;        // x: length of the cone

@@ -1,14 +1,24 @@
-// The height field: bilinear between texel centres, as surface::Surface means it. The texture has a border of one texel
-// in which the surface's edge rule (wrap or clamp) is already worked out.
-uniform sampler2D heights;  // depth as a fraction of the greatest, (texels.x + 2) x (texels.y + 2), mipmapped
+// The height field: bilinear between texel centres, as surface::Surface means it, and its coarser fields (height_levels.h).
+// Vertex (0, 0) is texel (-1, -1), in whose border the surface's edge rule (wrap or clamp) is already worked out.
+uniform sampler2D heights;  // depth as a fraction of the greatest; vertex (i, j) of level k is vertex (i, j) * 2^k of level 0
+
+// The level that this sample asks for: 0 is the surface itself.
+int detail = 0;
+
+// The level for a sample of that footprint, metres: the coarsest whose cells are at most half of it. Cells as large as samples
+// would be coarser than what they see of steps (tests/render/detail_test.cpp, pictures of the scenes).
+int detail_for(float footprint) { return min(int(log2(max(0.5 * footprint / texels.z, 1.0))), count.w); }
+
+// The side of a cell of that level, in texels.
+float cell_side(int level) { return float(1 << level); }
+
+float height_at(vec2 p, int level) {
+  vec2 vertex = p / size.xy * texels.xy + 0.5;
+  return -size.z * textureLod(heights, (vertex + 0.5 * cell_side(level)) / vec2(textureSize(heights, 0)), float(level)).r;
+}
 
 // Height z of the relief at local xy.
-float height(vec2 p) {
-  return -size.z * textureLod(heights, (p / size.xy * texels.xy + 1.0) / (texels.xy + 2.0), 0.0).r;
-}
+float height(vec2 p) { return height_at(p, detail); }
 
 // The mean height about p, over a square of `width` metres.
-float mean_height(vec2 p, float width) {
-  float level = max(log2(width / texels.z), 0.0);
-  return -size.z * textureLod(heights, (p / size.xy * texels.xy + 1.0) / (texels.xy + 2.0), level).r;
-}
+float mean_height(vec2 p, float width) { return height_at(p, int(max(log2(width / texels.z), 0.0) + 0.5)); }

@@ -1,22 +1,24 @@
 // Exact search: descend a pyramid of the highest z in blocks of cells, skip blocks that the ray passes over, and solve the
 // quadratic of ray and bilinear patch in the leaves (after Tevs, Ihrke & Seidel 2008, with their cells made bilinear).
-// Cell (i, j) lies between the centres of texels (i, j) and (i + 1, j + 1) of the bordered height texture.
+// Cell (i, j) lies between vertices (i, j) and (i + 1, j + 1). Where a sample is larger than a texel, the leaves are blocks of
+// 2^detail x 2^detail cells, and the patch is that of the coarser field there.
 uniform sampler2D bounds;  // level k: least depth fraction in blocks of 2^(k + 1) x 2^(k + 1) cells
 
 // How far into the next cell a step goes, in cells: more than the rounding of a coordinate, less than can be seen.
 const float NUDGE = 2e-3;
 
-float texel(ivec2 at) { return -size.z * texelFetch(heights, at, 0).r; }
+float vertex(ivec2 at) { return -size.z * texelFetch(heights, at, detail).r; }
 
 // The highest z in a block of 2^level cells a side; level 1 and up.
 float highest(vec2 block, int level) { return -size.z * texelFetch(bounds, ivec2(block), level - 1).r; }
 
-// Where in 0..1 of the step `d` from `p` the ray goes under the cell's patch, or 2. xy in cells, z in metres.
+// Where in 0..1 of the step `d` from `p` the ray goes under the patch of a cell of the level `detail`, or 2. xy in cells of that
+// level, z in metres.
 float meet_patch(vec3 p, vec3 d, ivec2 cell) {
-  float z00 = texel(cell);
-  float z10 = texel(cell + ivec2(1, 0));
-  float z01 = texel(cell + ivec2(0, 1));
-  float z11 = texel(cell + ivec2(1, 1));
+  float z00 = vertex(cell);
+  float z10 = vertex(cell + ivec2(1, 0));
+  float z01 = vertex(cell + ivec2(0, 1));
+  float z11 = vertex(cell + ivec2(1, 1));
   vec2 q = p.xy - vec2(cell);
   float along_s = z10 - z00;
   float along_t = z01 - z00;
@@ -59,12 +61,13 @@ float leaves(Walk w, vec2 block, int level, float t, float to) {
 // The first t in from..to where origin + t * direction is under the relief, or -1.
 float march(vec3 origin, vec3 direction, float from, float to) {
   Walk w = walk(origin, direction);
-  int level = min(2, steps.w);
+  int level = min(detail + 2, steps.w);
+  vec3 to_cells = vec3(vec2(1.0 / cell_side(detail)), 1.0);
   float t = from;
   float hit = -1.0;
   // Two loops in turn, of blocks and of cells: where neighbours run in step, none pays for the other's.
   for (int k = 0; k < 512 && t < to && hit < 0.0; ++k) {
-    for (; level > 0 && t < to; ++k) {
+    for (; level > detail && t < to; ++k) {
       vec2 block = block_at(w, t, level);
       float t_exit = leaves(w, block, level, t, to);
       float bound = highest(block, level);
@@ -75,13 +78,13 @@ float march(vec3 origin, vec3 direction, float from, float to) {
       t = over ? max(t_exit, t + w.nudge) : down;
       level = over ? min(level + 1, steps.w) : level - 1;
     }
-    for (; level == 0 && t < to && hit < 0.0; ++k) {
-      vec2 cell = block_at(w, t, 0);
-      float t_exit = leaves(w, cell, 0, t, to);
-      float at = meet_patch(w.o + t * w.d, w.d * (t_exit - t), ivec2(cell));
+    for (; level == detail && t < to && hit < 0.0; ++k) {
+      vec2 cell = block_at(w, t, detail);
+      float t_exit = leaves(w, cell, detail, t, to);
+      float at = meet_patch((w.o + t * w.d) * to_cells, w.d * to_cells * (t_exit - t), ivec2(cell));
       hit = at <= 1.0 ? t + at * (t_exit - t) : hit;
       t = max(t_exit, t + w.nudge);
-      level = block_at(w, t, 1) == floor(0.5 * cell) ? 0 : 1;
+      level = block_at(w, t, detail + 1) == floor(0.5 * cell) ? detail : detail + 1;
     }
   }
   return hit;

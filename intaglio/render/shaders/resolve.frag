@@ -1,9 +1,9 @@
-// Samples to pixels: the mean of each pixel's samples, in linear light, over the background; then sRGB, top row first.
+// Samples to pixels: the mean of each pixel's SUPERSAMPLE x SUPERSAMPLE samples, in linear light, over the background; then
+// sRGB, top row first.
 precision highp float;
 precision highp sampler2D;
 
-uniform sampler2D samples;  // rgb times coverage, coverage; supersample x supersample a pixel
-uniform int supersample;
+uniform sampler2D samples;  // rgb times coverage, coverage; SUPERSAMPLE x SUPERSAMPLE a pixel
 uniform vec3 background_top;
 uniform vec3 background_bottom;
 
@@ -23,13 +23,13 @@ float threshold(ivec2 p) {
 void main() {
   ivec2 size = textureSize(samples, 0);
   ivec2 pixel = ivec2(gl_FragCoord.xy);
-  ivec2 first = ivec2(pixel.x, size.y / supersample - 1 - pixel.y) * supersample;
+  ivec2 first = ivec2(pixel.x, size.y / SUPERSAMPLE - 1 - pixel.y) * SUPERSAMPLE;
   vec4 sum = vec4(0.0);
-  for (int y = 0; y < supersample; ++y) {
-    for (int x = 0; x < supersample; ++x) sum += texelFetch(samples, first + ivec2(x, y), 0);
+  for (int y = 0; y < SUPERSAMPLE; ++y) {
+    for (int x = 0; x < SUPERSAMPLE; ++x) sum += texelFetch(samples, first + ivec2(x, y), 0);
   }
-  sum /= float(supersample * supersample);
-  vec2 place = (vec2(first) + 0.5 * float(supersample)) / vec2(size);
+  sum /= float(SUPERSAMPLE * SUPERSAMPLE);
+  vec2 place = (vec2(first) + 0.5 * float(SUPERSAMPLE)) / vec2(size);
   float vignette = 1.0 - 0.35 * dot(place - 0.5, place - 0.5) * 2.0;
   vec3 background = mix(background_bottom, background_top, smoothstep(0.0, 1.0, place.y)) * vignette;
   vec3 linear = sum.rgb + (1.0 - sum.a) * background;

@@ -55,12 +55,12 @@ float object_openness(vec3 p, vec3 n, int self) {
 
 // How near the middle of the light may come to an edge `t` away and still be dimmed by it: clearance is measured across
 // the ray, and the light is never narrower than the texels that hide it.
-float half_width(vec3 l, float t) { return max(t * light_colour.w, 0.5 * texels.z * l.z); }
+float half_width(vec3 l, float t) { return max(t * light_colour.w, 0.5 * cell_side(detail) * texels.z * l.z); }
 
 // What the relief leaves of a light along l from p up to `to`, where it leaves the layer: steps of equal length, one a texel
 // where that suffices, keeping the tightest clearance.
 float relief_seen(vec3 p, vec3 l, float to) {
-  int shadow_steps = clamp(int(ceil(length(l.xy) * to / texels.z)), 4, steps.z);
+  int shadow_steps = clamp(int(ceil(length(l.xy) * to / (cell_side(detail) * texels.z))), 4, steps.z);
   float stride = to / float(shadow_steps);
   float seen = 1.0;
   for (int k = 0; k < shadow_steps && seen > 0.0; ++k) {
@@ -74,7 +74,7 @@ float relief_seen(vec3 p, vec3 l, float to) {
 // The relief's own shadow on p: towards the light until out of the layer.
 float relief_shadow(vec3 p, vec3 l) {
   bool in_layer = p.z < 0.0 && all(greaterThanEqual(p.xy, vec2(0.0))) && all(lessThanEqual(p.xy, size.xy));
-  if (count.z != 2 || steps.z == 0 || !in_layer) return 1.0;
+  if (!RELIEF || steps.z == 0 || !in_layer) return 1.0;
   if (l.z <= 0.0) return 0.0;
   vec2 side = mix(vec2(0.0), size.xy, step(0.0, l.xy));
   vec2 reach = mix((side - p.xy) / l.xy, vec2(1e20), lessThan(abs(l.xy), vec2(1e-6)));

@@ -22,7 +22,8 @@ void main() {
   vec2 range = inside(direction);
   if (range.x >= range.y) discard;
   float t = range.x;
-  if (count.z == 2) {
+  if (RELIEF) {
+    detail = detail_for(eye.w * range.x);
     t = march(eye_texture, along, range.x, range.y);
     if (t < 0.0) discard;
   } else if (along.z >= 0.0 || eye_texture.z + range.x * along.z < -1e-3 * size.z) {

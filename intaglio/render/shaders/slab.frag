@@ -18,13 +18,14 @@ Hit meet_slab(vec3 origin, vec3 direction) {
   float from = max(max(near.x, near.y), max(near.z, 0.0));
   float to = min(min(far.x, far.y), far.z);
   vec3 entry = origin + from * direction;
+  detail = detail_for(eye.w * from);
   vec3 normal = from > 0.0 ? -sign(direction) * vec3(equal(vec3(from), near)) : -direction;
   // A ray that comes in through the top plane starts above the relief without being asked.
   bool from_top = from == near.z && direction.z < 0.0;
   if (from_top) entry.z = 0.0;
-  float top = count.z == 2 ? height(entry.xy) : 0.0;
+  float top = RELIEF ? height(entry.xy) : 0.0;
   if (!from_top && entry.z <= top) return Hit(entry, true, normal);
-  if (count.z != 2) return Hit(entry, false, vec3(0.0));
+  if (!RELIEF) return Hit(entry, false, vec3(0.0));
   // A falling ray is under the relief when it is through the layer.
   if (direction.z < 0.0) to = min(to, (-1.001 * size.z - 1e-6 - origin.z) / direction.z);
   float t = march(origin, direction, from, to);

@@ -1,6 +1,6 @@
 // How the surface looks where it is seen: its colour, its normals at the footprint of a sample, and what is over it.
 uniform sampler2D normals;  // 1023 n' = 511 n + 512; mipmapped
-uniform sampler2D colour;   // sRGB, mipmapped
+uniform sampler2D colour;   // linear (colour_levels.h), mipmapped
 uniform int self_caster;    // index among the balls that cast shadows of the body that the surface is on, -1: none
 
 // The share of the sky over p: how far it lies below the mean height around it, at two distances.
@@ -24,7 +24,7 @@ vec3 colour_at(vec2 uv, float footprint) {
 // it make a rougher surface (Toksvig 2005), not a sparkling one.
 vec4 mapped_normal(vec2 uv, float footprint) {
   vec4 result = vec4(0.0, 0.0, 1.0, 0.0);
-  for (int k = 0; k < min(count.z, 1); ++k) {
+  for (int k = 0; k < (RELIEF ? 1 : min(count.z, 1)); ++k) {
     vec3 mean = (textureLod(normals, uv, max(log2(footprint / texels.z), 0.0)).xyz * 1023.0 - 512.0) / 511.0;
     float agreement = clamp(length(mean), 0.5, 1.0);
     result = vec4(mean / max(length(mean), 1e-4), 0.5 * (1.0 - agreement) / agreement);
@@ -50,12 +50,12 @@ struct Spot {
 
 // The light from there towards the eye.
 vec3 surface_light(Spot s, float footprint) {
-  bool is_relief = count.z == 2 && !s.is_wall;
+  bool is_relief = RELIEF && !s.is_wall;
   vec2 uv = s.q.xy / size.xy;
   float under = 0.0;
   for (int k = 0; k < (s.is_wall ? 1 : 0); ++k) {
     uv = clamp(uv, 0.5 / texels.xy, 1.0 - 0.5 / texels.xy);
-    under = (count.z == 2 ? height(s.q.xy) : 0.0) - s.q.z;
+    under = (RELIEF ? height(s.q.xy) : 0.0) - s.q.z;
   }
   vec3 skin = colour_at(uv, max(footprint, under));
   float square = material.w * material.w;
@@ -64,7 +64,7 @@ vec3 surface_light(Spot s, float footprint) {
   vec3 l = to_light(s.p);
   bool faces_light = dot(s.n, l) > 0.0 && (s.is_wall || s.q_light.z > 0.0);
   float seen = faces_light ? object_shadow(s.p, l, self_caster) : 0.0;
-  if (is_relief && seen > 0.0) seen *= relief_shadow(s.q + s.q_normal * 0.25 * texels.z, s.q_light);
+  if (is_relief && seen > 0.0) seen *= relief_shadow(s.q + s.q_normal * 0.25 * cell_side(detail) * texels.z, s.q_light);
   float open = s.is_wall ? 0.75 : relief_openness(s.q, is_relief);
   return lit(s.p, s.n, matter, seen, open * object_openness(s.p, s.n, self_caster));
 }
