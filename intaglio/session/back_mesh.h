@@ -7,8 +7,8 @@
 
 namespace intaglio::session {
 
-// Empty where the base is closed. The rim is drawn from `relief` metres below the base, where the layer of the
-// relief, which has a side of its own, ends.
+// Empty where the base is closed. The rim is drawn from `relief` metres below the base, where the layer of
+// the relief, which has a side of its own, ends.
 render::Mesh back_mesh(const surface::TriangleMesh& base, double relief, double thickness);
 
 }  // namespace intaglio::session
