@@ -26,11 +26,14 @@ double bounce_speed(const btRigidBody* body, double dt) {
 // the parabola through where it is at the ends of steps (steps end with the speed of their end, half a step's
 // gain too much).
 std::optional<double> touch_time(const contact::ContactPoint& c, const Approach& approach,
-                                 const Vec3& held_velocity) {
-  const bool flies = held_velocity == approach.velocity || c.distance <= 0;
+                                 const Vec3& held_velocity, double slack) {
+  const bool flies = held_velocity == approach.velocity || c.distance <= slack;
   const Vec3 velocity = flies ? Vec3(approach.velocity - 0.5 * approach.gain) : held_velocity;
   const double closing = -(velocity + approach.spin.cross(c.point - approach.pose.position)).dot(c.normal);
-  if (!(closing > least_closing)) return std::nullopt;
+  // What lies still on one texel after the other presses anew on each, with no more speed than a step's fall.
+  const double still =
+      c.distance > slack ? 0 : 0.5 * approach.gain.norm() + std::max(0.0, -approach.gain.dot(c.normal));
+  if (!(closing > least_closing + still)) return std::nullopt;
   const double gain = flies ? -approach.gain.dot(c.normal) / approach.dt : 0;
   const double root = std::sqrt(std::max(0.0, closing * closing + 2 * gain * c.distance));
   return std::clamp(2 * c.distance / (closing + root), -0.5 * approach.dt, approach.dt);
@@ -184,7 +187,7 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
       point.m_localPointA = body.getWorldTransform().invXform(point.m_positionWorldOnA);
       point.m_localPointB = textured.getWorldTransform().invXform(point.m_positionWorldOnB);
       set_feature(point, c.feature);
-      set_touch(point, touch_time(c, approach, held));
+      set_touch(point, touch_time(c, approach, held, slack));
       point.m_appliedImpulse = 0;
       point.m_lifeTime = 0;
       for (std::size_t k = 0; k < old_count; ++k) {

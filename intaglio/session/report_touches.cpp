@@ -20,9 +20,9 @@ struct Step {
   bool has_touch = false;  // or it is the middle of the step
 };
 
-double strongest(std::span<const Touch> touches) {
-  double most = 0;
-  for (const Touch& touch : touches) most = std::max(most, touch.impulse);
+std::map<BodyId, double> strongest(std::span<const Touch> touches) {
+  std::map<BodyId, double> most;
+  for (const Touch& touch : touches) most[touch.body] = std::max(most[touch.body], touch.impulse);
   return most;
 }
 
@@ -84,16 +84,15 @@ std::vector<Touch> touches_of(const Recording& recording) {
     const std::vector<Touch> blows = blows_of(pair.first, steps_of(events));
     touches.insert(touches.end(), blows.begin(), blows.end());
   }
-  const double least = Touch::least * strongest(touches);
-  std::erase_if(touches, [&](const Touch& touch) { return touch.impulse < least; });
+  std::map<BodyId, double> most = strongest(touches);
+  std::erase_if(touches, [&](const Touch& touch) { return touch.impulse < Touch::least * most[touch.body]; });
   std::stable_sort(touches.begin(), touches.end(),
                    [](const Touch& a, const Touch& b) { return a.time < b.time; });
   return touches;
 }
 
 std::vector<Touch> unmasked(std::span<const Touch> touches) {
-  std::map<BodyId, double> most;
-  for (const Touch& touch : touches) most[touch.body] = std::max(most[touch.body], touch.impulse);
+  std::map<BodyId, double> most = strongest(touches);
   std::vector<Touch> out;
   for (std::size_t k = 0; k < touches.size(); ++k) {
     bool stands = touches[k].impulse >= stands_out * most[touches[k].body];

@@ -13,15 +13,15 @@ namespace intaglio::session {
 
 struct Touch {
   static constexpr double apart = 0.005;  // s, within which the blows of one pair are one: the strongest
-  // Of the strongest blow of all: 40 dB below it, as loud_onsets() has it, nobody hears it.
-  static constexpr double least = 0.01;
+  static constexpr double least =
+      0.02;  // of the strongest blow of its body: light ones strike as bright as heavy
 
   double time = 0;     // s, of the touch where it is known, else the middle of its step
   BodyId body = 0;     // who touches
   double impulse = 0;  // N s, what is new
 };
 
-// In order of time, all at least `least` of the strongest.
+// In order of time, all at least `least` of their body's strongest.
 std::vector<Touch> touches_of(const Recording& recording);
 
 // Those that must be heard: at least a tenth of their body's strongest, and not masked, twice as strong as
