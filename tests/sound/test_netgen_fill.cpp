@@ -82,15 +82,15 @@ TEST_CASE(
       {"printf 'intaglio-tetrahedra 1\\n4 1\\n0 0 0 1 0 0 0 1 0 1 1 0\\n0 1 2 3\\n' > $2", "do not fill"},
   };
   const BodySurface body = pentagon();
-  for (const auto& [commands, says] : all) {
-    INFO(std::string(commands));
-    const Script script(commands);
+  for (const auto& misbehaviour : all) {
+    INFO(std::string(misbehaviour.commands));
+    const Script script(misbehaviour.commands);
     const NetgenOptions netgen{script.path, 0.5, 1000};
     const auto filled = fill_by(Mesher::netgen, body, {0.02, 2000}, netgen, "bar.obj");
     REQUIRE_FALSE(filled);
     const std::string message = filled.error().message();
     CHECK(message.starts_with("bar.obj"));
-    CHECK(message.find(says) != std::string::npos);
+    CHECK(message.find(misbehaviour.says) != std::string::npos);
     CHECK(message.find('\n') == std::string::npos);
     const auto instead = fill_by(Mesher::automatic, body, {0.02, 2000}, netgen, "bar.obj");
     REQUIRE(instead);
