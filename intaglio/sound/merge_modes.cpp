@@ -148,7 +148,8 @@ class Merging {
       if (s < masked) faint.emplace_back(s, groups_[std::size_t(g)].members.front());
     }
     std::sort(faint.begin(), faint.end());
-    for (const auto& [s, member] : faint) {
+    for (const auto& one : faint) {
+      const int member = one.second;
       std::vector<Group> changed = groups_;
       const auto gone = std::find_if(changed.begin(), changed.end(),
                                      [&](const Group& g) { return g.members.front() == member; });

@@ -281,5 +281,12 @@ TEST_CASE("a million triangles") {
   const auto ball = test::icosphere(0.1, std::getenv("INTAGLIO_SLOW") ? 8 : 6);
   auto rough = jittered(ball, 1e-5);
   check({"many triangles", as_obj(ball), 0.0041888}, 3000);
+  // As many triangles as there are, the pitch is Lamb's.
+  const Outcome baked = bake_file({"many triangles", as_obj(ball)}, 3000);
+  REQUIRE(baked.model);
+  const double unit = std::sqrt(test::steel().shear_modulus() / 7850) / (tau * 0.1);
+  for (const int m : {0, 5})
+    CHECK(baked.model->angular_frequency[std::size_t(m)] / tau / unit ==
+          doctest::Approx(m == 0 ? 2.50113 : 2.64622).epsilon(0.003));
   if (std::getenv("INTAGLIO_SLOW")) check({"many rough triangles", as_obj(rough), 0.0041888}, 3000);
 }

@@ -82,15 +82,15 @@ TEST_CASE(
       {"printf 'intaglio-tetrahedra 1\\n4 1\\n0 0 0 1 0 0 0 1 0 1 1 0\\n0 1 2 3\\n' > $2", "do not fill"},
   };
   const BodySurface body = pentagon();
-  for (const auto& [commands, says] : all) {
-    INFO(std::string(commands));
-    const Script script(commands);
+  for (const auto& misbehaviour : all) {
+    INFO(std::string(misbehaviour.commands));
+    const Script script(misbehaviour.commands);
     const NetgenOptions netgen{script.path, 0.5, 1000};
     const auto filled = fill_by(Mesher::netgen, body, {0.02, 2000}, netgen, "bar.obj");
     REQUIRE_FALSE(filled);
     const std::string message = filled.error().message();
     CHECK(message.starts_with("bar.obj"));
-    CHECK(message.find(says) != std::string::npos);
+    CHECK(message.find(misbehaviour.says) != std::string::npos);
     CHECK(message.find('\n') == std::string::npos);
     const auto instead = fill_by(Mesher::automatic, body, {0.02, 2000}, netgen, "bar.obj");
     REQUIRE(instead);
@@ -116,13 +116,14 @@ TEST_CASE("without Netgen the error names the package, and automatic goes by the
 }
 
 TEST_CASE("automatic sends only what the lattice would cut to Netgen") {
-  CHECK(has_skew_edges(pentagon()));
-  CHECK_FALSE(has_skew_edges(body_surface(test::icosphere(0.1, 3), "ball").value()));
-  CHECK_FALSE(has_skew_edges(body_surface(test::cuboid({0.3, 0.1, 0.2}), "box").value()));
+  CHECK(has_skew_edges(pentagon(), 0.02));
+  CHECK_FALSE(has_skew_edges(pentagon(), 0.1));  // finer than an element
+  CHECK_FALSE(has_skew_edges(body_surface(test::icosphere(0.1, 3), "ball").value(), 0.02));
+  CHECK_FALSE(has_skew_edges(body_surface(test::cuboid({0.3, 0.1, 0.2}), "box").value(), 0.02));
   auto askew = test::cuboid({0.3, 0.1, 0.2});
   const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   for (Vec3& p : askew.positions) p = turn * p;
-  CHECK_FALSE(has_skew_edges(body_surface(askew, "box").value()));  // the lattice turns with it
+  CHECK_FALSE(has_skew_edges(body_surface(askew, "box").value(), 0.02));  // the lattice turns with it
 }
 
 TEST_CASE("Netgen's elements have known frequencies, and its limits hold") {

@@ -10,15 +10,15 @@ namespace intaglio::sound {
 
 namespace {
 
-constexpr double sharp_cosine = 0.866;   // of the angle between normals: 30 degrees
-constexpr double along_cosine = 0.9998;  // within a degree
-constexpr double least_skew = 0.05;      // of the bounding box's diagonal: length of such edges
+constexpr double sharp_cosine = 0.866;  // of the angle between normals: 30 degrees
+constexpr double along_cosine = 0.985;  // 10 degrees
+constexpr double least_skew = 0.05;     // of the bounding box's diagonal: length of such edges
 constexpr std::size_t most_triangles = 20'000;
 constexpr double most_seconds = 20;
 
 }  // namespace
 
-bool has_skew_edges(const BodySurface& body) {
+bool has_skew_edges(const BodySurface& body, double element_size) {
   const Mat3 axes = flat_frame(body.points, body.triangles);
   std::vector<Vec3> normals;
   for (const Triangle& t : body.triangles) {
@@ -41,7 +41,7 @@ bool has_skew_edges(const BodySurface& body) {
         length += (body.points[std::size_t(a)] - body.points[std::size_t(b)]).norm();
     }
   }
-  return length > least_skew * (body.high - body.low).norm();
+  return length > least_skew * (body.high - body.low).norm() && length * element_size < body.area;
 }
 
 Result<FilledSurface> fill_by(Mesher mesher, const BodySurface& body, const FillOptions& options,
@@ -49,7 +49,7 @@ Result<FilledSurface> fill_by(Mesher mesher, const BodySurface& body, const Fill
   if (mesher == Mesher::netgen) return netgen_fill(body, options, netgen, name);
   std::string note;
   if (mesher == Mesher::automatic && body.is_closed() && body.thickness == 0 && body.shells == 1 &&
-      body.triangles.size() <= most_triangles && has_skew_edges(body)) {
+      body.triangles.size() <= most_triangles && has_skew_edges(body, options.element_size)) {
     NetgenOptions limited = netgen;
     limited.seconds = std::min(netgen.seconds, most_seconds);
     if (limited.program.empty() && find_netgen().empty()) {

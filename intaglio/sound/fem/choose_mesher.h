@@ -8,8 +8,10 @@ namespace intaglio::sound {
 
 enum class Mesher { automatic, lattice, netgen };
 
-// Whether the surface has edges of more than 30 degrees between faces that the lattice does not lie along.
-bool has_skew_edges(const BodySurface& body);
+// Whether the surface has edges of more than 30 degrees between faces of which one is more than 25 degrees
+// off the lattice, and these lie farther apart than an element: finer ones, a relief's, no mesher should
+// follow.
+bool has_skew_edges(const BodySurface& body, double element_size);
 
 // By the mesher that is asked for. Automatic: Netgen for a closed surface of one shell with skew edges and at
 // most 20,000 triangles, within 20 s; where it is not installed, or fails, the lattice, with a note that says
