@@ -4,7 +4,7 @@
 # a build under a sanitizer (script/sanitize-window) its findings fail the run.
 #   tour.sh INTAGLIO SOURCE_DIR [SCENE...]
 # Models come from INTAGLIO_MODELS (a folder as ~/.cache/intaglio/models), so that nothing is baked meanwhile; INTAGLIO_PRELOAD is a
-# library that stays loaded to the end.
+# library that stays loaded to the end; INTAGLIO_LINGER is how many seconds to wait before closing.
 set -uo pipefail
 intaglio=$1
 source=$2
@@ -41,7 +41,7 @@ cat >"$work/tour.events" <<SCRIPT
 5.4 key F9
 7.0 resize 400 300
 10.5 key F9
-11.0 quit
+$(awk "BEGIN { print 10.5 + ${INTAGLIO_LINGER:-0.5} }") quit
 SCRIPT
 
 printf '%-10s %-9s %7s %9s %8s %8s %9s %9s %9s %9s\n' scene driver frames p50_ms p99_ms '>33_ms' ticks left_out steps_out underruns
