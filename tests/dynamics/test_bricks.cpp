@@ -92,7 +92,7 @@ TEST_CASE("T5, T7: at 60 Hz and above balls on bricks gain no energy and stay ou
   }
 }
 
-TEST_CASE("T6: balls come to rest where they do at 3840 Hz") {
+TEST_CASE("T6: balls come to rest where they do at 3840 Hz" * doctest::test_suite("statistics")) {
   const auto s = scene::floor(tests::poses(256, 512));
   auto balls = scene::balls(*s, tests::poses(50, 400), 1, 6);
   // They must stop: with rolling resistance.

@@ -134,7 +134,8 @@ TEST_CASE("a ball rolls along a smooth pipe and off a textured one; both orders 
   }
 }
 
-TEST_CASE("a brick ball rests and rolls on a brick floor, the floor added first or last") {
+TEST_CASE("a brick ball rests and rolls on a brick floor, the floor added first or last" *
+          doctest::test_suite("statistics")) {
   const double R = 0.2;
   const auto bricks = tests::brick_surface(256);  // 2 cm deep on 1 m
   surface::TriangleMesh mesh = tests::tiled(surface::make_sphere(R, 96, 48), {2, 1});

@@ -22,7 +22,8 @@ std::shared_ptr<const surface::Surface> even_relief() {
 
 }  // namespace
 
-TEST_CASE("T2: without friction bodies slide over flat relief in any direction as over glass") {
+TEST_CASE("T2: without friction bodies slide over flat relief in any direction as over glass" *
+          doctest::test_suite("statistics")) {
   const auto s = even_relief();
   const double ground = -0.01 * scene::side;
   const int directions = tests::poses(8, 64);

@@ -92,7 +92,8 @@ double peak(const std::vector<double>& signal, double low, double high) {
 
 }  // namespace
 
-TEST_CASE("a textured ball that rolls on a flat floor: its noise has the period of its texture") {
+TEST_CASE("a textured ball that rolls on a flat floor: its noise has the period of its texture" *
+          doctest::test_suite("statistics")) {
   const auto flat = floor_of(
       4, [](Vec2) { return 0.0; }, 0);
   for (const double speed : {0.5, 1.0}) {

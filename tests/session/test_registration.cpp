@@ -193,7 +193,8 @@ TEST_CASE("a pen dragged over a grating sounds at v / lambda, each onset when th
   CHECK(worst_edge < 1e-3);
 }
 
-TEST_CASE("a ball that rolls over a grating sounds at v / lambda, whichever source its relief sounds from") {
+TEST_CASE("a ball that rolls over a grating sounds at v / lambda, whichever source its relief sounds from" *
+          doctest::test_suite("statistics")) {
   const double wavelength = 0.01;
   for (const char* kind : {"representation = \"normal\"", "meso = \"engine\"", "meso = \"height\""}) {
     CAPTURE(kind);

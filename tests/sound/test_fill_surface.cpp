@@ -64,7 +64,7 @@ TEST_CASE("an icosphere fills to a ball with Lamb's frequencies within 0.3 %") {
   CHECK(worst < 0.003);
 }
 
-TEST_CASE("a bar along the axes, and turned askew") {
+TEST_CASE("a bar along the axes, and turned askew" * doctest::test_suite("statistics")) {
   const std::vector<double> hertz{257.19, 501.40, 698.11, 1160.15, 1305.99, 1339.39};
   const auto bar = test::cuboid({1, 0.1, 0.05});
   const auto straight = fill_surface(bar, {0.03, 20'000}, "bar.obj");

@@ -266,7 +266,7 @@ void check(const Hard& hard, int elements) {
 
 }  // namespace
 
-TEST_CASE("hard meshes with an inside ring") {
+TEST_CASE("hard meshes with an inside ring" * doctest::test_suite("statistics")) {
   const auto all = closed_ones();
   for (const Hard& hard : all) check(hard, 10'000);
 }

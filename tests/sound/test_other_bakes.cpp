@@ -70,7 +70,7 @@ TEST_CASE("a sheet with thickness is the plate") {
     CHECK(model->angular_frequency[m] / tau == doctest::Approx(expected[m]).epsilon(0.01));
 }
 
-TEST_CASE("a bowl with thickness rings though nothing closes it") {
+TEST_CASE("a bowl with thickness rings though nothing closes it" * doctest::test_suite("statistics")) {
   auto bowl = test::icosphere(0.1, 3);
   std::erase_if(bowl.triangles, [&](const auto& t) { return bowl.positions[std::size_t(t[0])].y() > 0; });
   const auto body = body_surface(bowl, "bowl.obj", 0.024);

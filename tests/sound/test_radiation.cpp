@@ -141,7 +141,8 @@ TEST_CASE(
         doctest::Approx(6.0).epsilon(0.03));
 }
 
-TEST_CASE("above coincidence a plate that bends radiates as a piston does: rho c u over its faces") {
+TEST_CASE("above coincidence a plate that bends radiates as a piston does: rho c u over its faces" *
+          doctest::test_suite("statistics")) {
   const TetMesh plate = box({0.4, 0.01, 0.4}, 12, 1, 12);
   const double q = 3 * tau / 0.4, k = 3 * q;  // sound is three times slower than the bending wave
   const VibratingSurface bent =

@@ -93,7 +93,8 @@ std::vector<Case> cases() {
 
 }  // namespace
 
-TEST_CASE("known frequencies: each case of the reference, its degenerate groups whole and unsplit") {
+TEST_CASE("known frequencies: each case of the reference, its degenerate groups whole and unsplit" *
+          doctest::test_suite("statistics")) {
   for (const Case& c : cases()) {
     INFO(std::string(c.name));
     int count = 0;
