@@ -135,15 +135,29 @@ TEST_CASE("merging: fewer modes, and no band of rendered audio errs by more than
   }
 }
 
-TEST_CASE("merging keeps every pitch within what is heard, and a model that reads back") {
+// The most that a mode has of the energy in its own band, over all points.
+double loudest_share(const HeardModes& modes, Eigen::Index m) {
+  const std::vector<Mat3> all = band_energy(modes, modes.angular_frequency[m] / (2 * std::numbers::pi));
+  double mean = 0, most = 0;
+  for (const Mat3& q : all) mean += q.trace() / double(all.size());
+  for (std::size_t p = 0; p < all.size(); ++p) {
+    const double own = modes.gain.block<3, 1>(3 * Eigen::Index(p), m).squaredNorm() / (4 * modes.damping[m]);
+    most = std::max(most, own / (all[p].trace() + node_share * mean));
+  }
+  return most;
+}
+
+TEST_CASE("merging keeps every pitch that is heard, within what is heard, and a model that reads back") {
   for (const auto& model : {*test::small_ball(), *test::small_slab(), plastic_slab()}) {
+    const HeardModes heard = heard_modes(model);
     ModalModel merged = model;
     merge_modes(merged, 1);
     for (int m = 0; m < std::min(10, model.modes()); ++m) {
       double nearest = 1;
       for (const double omega : merged.angular_frequency)
         nearest = std::min(nearest, std::abs(omega / model.angular_frequency[std::size_t(m)] - 1));
-      CHECK(nearest <= 0.002);
+      // Of a small plate the lowest modes radiate so little that louder ones cover them.
+      CHECK((nearest <= 0.002 || loudest_share(heard, m) < 0.01));
     }
     CHECK(std::is_sorted(merged.angular_frequency.begin(), merged.angular_frequency.end()));
     const auto back = parse_model(model_bytes(merged), "merged.modes");
