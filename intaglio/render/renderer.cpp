@@ -59,6 +59,11 @@ struct Part {
   std::optional<gl::VertexArray> mesh;     // in place of traced relief
   std::optional<gl::InstanceArray> shell;  // of a curved base, in place of a slab
 
+  // A relief without depth is the plane, and its normals are drawn.
+  bool has_relief(const FrameScene& scene) const {
+    return scene.representation == Representation::relief && block.size[2] > 0;
+  }
+
   static Result<Part> create(const SurfacePart& part, const RendererOptions& options) {
     auto textures = SurfaceTextures::create(*part.surface);
     if (!textures) return tl::unexpected(textures.error());
@@ -289,7 +294,7 @@ void Renderer::Gpu::draw_part(std::size_t index, const FrameScene& scene) {
     part.mesh->draw();
     return;
   }
-  (scene.representation == Representation::relief ? programs.relief_slab : programs.slab).use();
+  (part.has_relief(scene) ? programs.relief_slab : programs.slab).use();
   glCullFace(GL_FRONT);
   no_vertices.draw_unindexed(36);
   glCullFace(GL_BACK);
@@ -297,8 +302,7 @@ void Renderer::Gpu::draw_part(std::size_t index, const FrameScene& scene) {
 
 void Renderer::Gpu::draw_shell(std::size_t index, const FrameScene& scene) {
   const Pose pose = index < scene.part_poses.size() ? scene.part_poses[index].pose : Pose();
-  const gl::Program& shell =
-      scene.representation == Representation::relief ? programs.relief_shell : programs.shell;
+  const gl::Program& shell = parts[index].has_relief(scene) ? programs.relief_shell : programs.shell;
   shell.use();
   shell.set("model", model_matrix(pose, 1, parts[index].placement));
   shell.set("self_caster", caster_of_part(scene, index));

@@ -105,6 +105,16 @@ TEST_CASE("a relief without depth is the plane") {
   }
 }
 
+TEST_CASE("a relief without depth is drawn with its normals, not black") {
+  if (!have_gl()) return;
+  const auto renderer = make_renderer(make_surface(64, 1.0, 0.0, brick_depth), small_options());
+  FrameScene scene = target_scene();
+  scene.representation = Representation::normal;
+  const auto normal = renderer->draw(scene);
+  scene.representation = Representation::relief;
+  CHECK(renderer->draw(scene).data == normal.data);
+}
+
 TEST_CASE("flat and normal representations have the depth of the plane") {
   if (!have_gl()) return;
   const auto renderer = make_renderer(brick(), small_options());
