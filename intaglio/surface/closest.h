@@ -31,10 +31,11 @@ struct Feature {
 std::optional<Feature> closest_point(const Surface& surface, const Vec3& p);
 
 // Local minima of the distance from p to the relief that are nearer than `reach` and turn their outer side to
-// p, nearest first; of two whose directions differ by less than `min_angle` (radians) only the nearer is
-// kept. A cell offers its nearest point only. Returns how many were written to `out`. All come from one
-// descent: what the nearest made needless is kept and looked at again for the next, unless it lies wholly
-// within min_angle of a feature already found; so flat ground costs little more than closest_point.
+// p, nearest first; of two whose directions differ by less than `min_angle` (radians, in 0..pi / 2, not
+// 0) only the nearer is kept. A cell offers its nearest point only. Returns how many were written to `out`.
+// All come from one descent: what the nearest made needless is kept and looked at again for the next, unless
+// it lies wholly within min_angle of a feature already found; so flat ground costs little more than
+// closest_point.
 std::size_t closest_features(const Surface& surface, const Vec3& p, double reach, double min_angle,
                              std::span<Feature> out);
 

@@ -107,9 +107,12 @@ bool ClosestSearch::visit_leaf(int x, int y) {
     const int i = index_of(block.i + int(k % leaf), surface_.width(), under_i_) + copy_x_ * surface_.width(),
               j = index_of(block.j + int(k / leaf), surface_.height(), under_j_) +
                   copy_y_ * surface_.height();
-    if (best_ && best_->i == i && best_->j == j) continue;
+    const SeenPatch patch = patch_of(block, k);
+    // Beyond a border one cell stands in several places.
+    if (best_ && best_->i == i && best_->j == j && best_->patch.x == patch.x && best_->patch.y == patch.y)
+      continue;
     if ((!cones_.empty() && block.inner && has_no_minimum(block, k)) ||
-        consider(patch_of(block, k), i, j) == Verdict::useless)
+        consider(patch, i, j) == Verdict::useless)
       later &= ~(1u << k);
   }
   return later != 0;

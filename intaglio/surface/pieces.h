@@ -63,7 +63,8 @@ struct TiltedPieces {
     const Four<T> there =
         (x + at_x).square() + (y + at_y).square() + (z + slope_x * at_x + slope_y * at_y).square();
     const Four<T> less_x = w * h_x.abs() + T(2) * h_x * at_x, less_y = h * h_y.abs() + T(2) * h_y * at_y;
-    const Four<T> size = there + w * h_x.abs() + h * h_y.abs();
+    const Four<T> size = there + w * (x.abs() + (z * slope_x).abs() + e * half_w + f.abs() * half_h) +
+                         h * (y.abs() + (z * slope_y).abs() + f.abs() * half_w + g * half_h);
     const Four<T> plane2 = there - less_x - less_y - loss<T> * size;
     return (plane2.max(T(0)).sqrt() - play).max(T(0)).square();
   }
@@ -97,7 +98,7 @@ class Reached {
     y1_ = boxes.y1.min(wide);
     z0_ = boxes.z0.max(-reach);
     z1_ = boxes.z1.min(reach);
-    slack_ = loss<T> * reach;
+    reach_ = reach;
     far_ = (x0_.square().max(x1_.square()) + y0_.square().max(y1_.square()) + z0_.square().max(z1_.square()))
                .sqrt()
                .min(reach);
@@ -108,14 +109,16 @@ class Reached {
   unsigned boxes_in_cone(const Vec3& axis, double cosine) const {
     const T x = T(axis.x()), y = T(axis.y()), z = T(axis.z());
     const Four<T> least = least_of(x, x0_, x1_) + least_of(y, y0_, y1_) + least_of(z, z0_, z1_);
-    return nothing_ | less<T>(T(cosine) * far_ + slack_, least);
+    return nothing_ | less<T>(T(cosine) * far_ + loss<T> * reach_, least);
   }
   unsigned planes_in_cone(const TiltedPieces<T>& p, const Vec3& axis, double cosine) const {
     const T x = T(axis.x()), y = T(axis.y()), z = T(axis.z());
     const Four<T> aside = p.x * p.slope_x, behind = p.y * p.slope_y;
     const Four<T> least = z * (p.z - aside - behind) - std::abs(z) * p.play +
                           least_of(x + z * p.slope_x, x0_, x1_) + least_of(y + z * p.slope_y, y0_, y1_);
-    return nothing_ | less<T>(T(cosine) * far_ + slack_ + loss<T> * (aside.abs() + behind.abs()), least);
+    const Four<T> size =
+        reach_ * (T(1) + p.slope_x.abs() + p.slope_y.abs()) + p.z.abs() + aside.abs() + behind.abs();
+    return nothing_ | less<T>(T(cosine) * far_ + loss<T> * size, least);
   }
 
  private:
@@ -125,7 +128,7 @@ class Reached {
   }
 
   Four<T> x0_, x1_, y0_, y1_, z0_, z1_, far_;
-  T slack_;
+  T reach_;
   unsigned nothing_;
 };
 

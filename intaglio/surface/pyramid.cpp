@@ -136,8 +136,9 @@ Pyramid::Pyramid(std::span<const float> depth, const Grid& grid) {
 }
 
 void Pyramid::build_leaves(std::span<const float> depth, const Grid& grid) {
-  // No slope differs from another by more than twice the steepest.
-  spread_unit_ = 2.0 * steepest_step(depth, grid) / 255;
+  // No slope differs from another by more than twice the steepest; what is stored is rounded besides.
+  const double steepest = steepest_step(depth, grid);
+  spread_unit_ = steepest > 0 ? (2 * steepest + slope_unit) / 255 : 0;
   for (int y = 0; exists(0, 0, y); ++y) {
     for (int x = 0; exists(0, x, y); ++x) {
       const Block texels(depth, grid, first_ + x * leaf, first_ + y * leaf,
@@ -211,9 +212,15 @@ double Pyramid::rounded(double slope) {
   return std::clamp(std::nearbyint(slope / slope_unit), -32767.0, 32767.0) * slope_unit;
 }
 
-// One step more than rounding outward asks for, which covers the arithmetic in float. Limits lose nothing:
-// depths are in 0..1 and no slope is more than a spread of 255 steps away.
+// One step more than rounding outward asks for, which covers the arithmetic in float. Steps hold +-2. Depths
+// are in 0..1, but the plane of a block that is mostly beyond the last cell may be anywhere in its middle: a
+// level slab holds everything then.
 void Pyramid::pack(const Slab& slab, std::size_t block) {
+  if (slab.low < -1.99 || slab.high > 1.99) {
+    const double spread_x = slab.spread_x + std::abs(slab.slope_x),
+                 spread_y = slab.spread_y + std::abs(slab.slope_y);
+    return pack({0, 0, spread_x, spread_y, 0, 1}, block);
+  }
   const auto step = [](double value) {
     return static_cast<std::int16_t>(std::clamp(value, -32767.0, 32767.0));
   };

@@ -261,6 +261,66 @@ TEST_CASE("wrap is seamless: the closest point moves along with the point, by wh
   }
 }
 
+// Wrapped, of a width that leaves a block of one column at the seam, with the steepest step there.
+std::shared_ptr<const Surface> stepped(int width, int height, int rolled) {
+  Texels texels;
+  texels.width = width;
+  texels.height = height;
+  for (int j = 0; j < height; ++j) {
+    Random random(std::uint64_t(1000 + j));
+    std::vector<double> rough;
+    for (int i = 0; i < width; ++i) rough.push_back(random.uniform());
+    for (int i = 0; i < width; ++i) {
+      const int from = (i + width - rolled) % width;
+      const double step = from == 0 ? 1 : from == 1 ? 0.5 : 0;
+      texels.depth.push_back(static_cast<float>(0.97 * step + 0.03 * rough[std::size_t(from)]));
+      texels.normal.push_back(Vec3::UnitZ());  // not asked for here
+    }
+  }
+  const Placement place(Vec3::Zero(), Quat::Identity(), 0.01 * width, 0.01 * height);
+  return std::make_shared<const Surface>(std::move(texels), place, 0.1, Edge::wrap);
+}
+
+TEST_CASE("features do not depend on where the texture begins, whatever is left over in its last block") {
+  int second = 0;
+  for (const int width : {64, 65, 100, 129}) {
+    const int roll = width / 2;
+    const auto s = stepped(width, 64, 0), rolled = stepped(width, 64, roll);
+    Random random(9);
+    double worst = 0;
+    for (int k = 0; k < 1500; ++k) {
+      const Vec3 p(random.uniform(-0.1, 0.1), random.uniform(0, 0.64), random.uniform(-0.05, 0.1));
+      std::array<Feature, 4> here, there;
+      const std::size_t n = closest_features(*s, p, 0.3, 0.35, here);
+      const std::size_t m = closest_features(*rolled, p + Vec3(0.01 * roll, 0, 0), 0.3, 0.35, there);
+      REQUIRE(n == m);
+      for (std::size_t f = 0; f < n; ++f)
+        worst = std::max(worst, std::abs(here[f].distance - there[f].distance));
+      second += n > 1 ? 1 : 0;
+    }
+    CHECK(worst < 1e-9);
+  }
+  CHECK(second > 3000);
+}
+
+TEST_CASE("far beyond a border the outermost cells go on") {
+  const auto surfaces = tests::various_surfaces();
+  for (const auto& s : surfaces) {
+    if (s->edge() != Edge::clamp) continue;
+    Random random(10);
+    for (const double x : {9e6, 1.1e7, 1e8}) {
+      for (int k = 0; k < 50; ++k) {
+        const Vec3 p(0, random.uniform(0, 1) * s->placement().size_v(), random.uniform(-0.03, 0.05));
+        // Beyond a border the relief only depends on the other coordinate: everywhere the same.
+        const auto near = closest_point(*s, p + Vec3(5 * s->placement().size_u() + 1, 0, 0)),
+                   far = closest_point(*s, p + Vec3(x, 0, 0));
+        REQUIRE((near && far));
+        CHECK(far->distance == doctest::Approx(near->distance).epsilon(1e-7));
+      }
+    }
+  }
+}
+
 TEST_CASE("from near to far above, where bounds go from single to double precision, the nearest is nearest") {
   double worst = 0;
   for (const auto& s : tests::various_surfaces()) {

@@ -19,11 +19,15 @@ TiltedPieces<T> random_pieces(Random& random) {
     for (int k = 0; k < 4; ++k) out[k] = static_cast<T>(random.uniform(low, high));
     return out;
   };
+  // Up to what a texel's step of the whole depth is.
+  const auto steep = [&] {
+    return Four<T>(four(-1, 1) * static_cast<T>(std::pow(10.0, random.uniform(-1, 2))));
+  };
   return {four(-3 * size, 3 * size),
           four(-3 * size, 3 * size),
           four(-3 * size, 3 * size),
-          four(-5, 5),
-          four(-5, 5),
+          steep(),
+          steep(),
           four(0, 0.3 * size),
           static_cast<T>(size),
           static_cast<T>(size * random.uniform(0.2, 2))};
