@@ -1,7 +1,13 @@
 // The `intaglio` command: parses the command line and hands over to one verb.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <exception>
+#include <optional>
+#include <string>
+#include <string_view>
 
 #include "app/verb.h"
 
@@ -11,6 +17,27 @@ int report(const Error& error) {
   fmt::print(stderr, "intaglio: {}\n", error.message());
   return 1;
 }
+
+namespace {
+
+// The first argument that is, or lists, a number that is not finite. No option means one, and ranges do not
+// see that nan is outside of them.
+std::optional<std::string> unbounded(int argc, char** argv) {
+  for (int k = 1; k < argc; ++k) {
+    std::string_view rest = argv[k];
+    if (rest.starts_with("--")) rest.remove_prefix(std::min(rest.find('='), rest.size() - 1) + 1);
+    while (!rest.empty()) {
+      const std::string part(rest.substr(0, rest.find(',')));
+      rest.remove_prefix(std::min(part.size() + 1, rest.size()));
+      char* end = nullptr;
+      if (!std::isfinite(std::strtod(part.c_str(), &end)) && end == part.c_str() + part.size())
+        return argv[k];
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
 
 }  // namespace intaglio::app
 
@@ -32,6 +59,11 @@ int main(int argc, char** argv) {
   intaglio::app::add_replay(app, common);
   intaglio::app::add_bake(app, common);
   intaglio::app::add_sound(app, common);
+  if (const auto argument = intaglio::app::unbounded(argc, argv)) {
+    fmt::print(stderr, "intaglio: {}: a number must be finite (of a file of that name, say ./{})\n",
+               *argument, *argument);
+    return 2;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -120,6 +120,9 @@ void read_camera(TomlReader& r, CameraScene& camera) {
   r.vector("target", camera.target);
   r.number("vertical_fov", camera.vertical_fov,
            {1, 170, false, "a field of view must be between 1 and 170 degrees"});
+  if ((camera.target - camera.eye).norm() < 1e-6)
+    r.fail_at(r.has("eye") ? "eye" : "target", "the camera looks at where it is",
+              "camera.eye and camera.target must be two places");
 }
 
 }  // namespace

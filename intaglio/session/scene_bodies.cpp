@@ -1,4 +1,6 @@
 // Balls and bodies of a scene file.
+#include <fmt/format.h>
+
 #include <numbers>
 
 #include "intaglio/core/material_reader.h"
@@ -23,7 +25,13 @@ void read_mass(TomlReader& r, double mass_now, Material& material) {
   if (!r.has("mass")) return r.optional_key("mass");
   double mass = 0;
   r.number("mass", mass, positive("a mass must be greater than 0 kg"));
-  if (mass_now > 0) material.density *= mass / mass_now;
+  if (!(mass_now > 0)) return;
+  const double density = material.density * mass / mass_now;
+  if (!(density >= 1 && density <= 1e5))
+    return r.fail_at("mass", fmt::format("a mass of {:g} kg would make it of {:.3g} kg/m3", mass, density),
+                     fmt::format("between 1 and 100000 kg/m3, a mass of {:.2g} to {:.2g} kg",
+                                 mass_now / material.density, 1e5 * mass_now / material.density));
+  material.density = density;
 }
 
 contact::Shape read_shape(TomlReader& r, std::string& name) {

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
+#include "intaglio/core/file.h"
 #include "intaglio/haptics/devices/vrpn/address.h"
 
 namespace intaglio::window {
@@ -95,7 +97,12 @@ Result<void> Stage::drop(const std::filesystem::path& file, const Settings& sett
       ask(*scene, settings, false);
       return {};
     }
-    // Not a scene: perhaps a recipe of a texture.
+    // Not a scene: perhaps a recipe of a texture, which has no table of that name.
+    if (const auto text = read_file(file, 1 << 20);
+        text &&
+        std::string_view(reinterpret_cast<const char*>(text->data()), text->size()).find("[surface]") !=
+            std::string_view::npos)
+      return tl::unexpected(scene.error());
   }
   session::Scene scene = base_;
   scene.surface.texture = file.string();

@@ -31,6 +31,9 @@ render() { "$intaglio" -q render "$@" -o "$work/out/x.mp4" --duration 0.2; }
 
 scene=$source/scenes/brick.toml
 printf 'title = "x"\n[[ball]]\nradius = nan\n' >"$work/nan.toml"
+printf '[[body]]\nmass = 1e300\n' >"$work/dense.toml"
+printf '[[ball]]\nposition = [1e200, 0, 0]\n' >"$work/far.toml"
+printf '[camera]\neye = [1, 1, 1]\ntarget = [1, 1, 1]\n' >"$work/camera.toml"
 printf '[[ball]]\nradius = 0.1\nmass = -2\n' >"$work/mass.toml"
 printf '[surface]\ndepht = 0.1\n' >"$work/key.toml"
 : >"$work/empty.png"
@@ -47,6 +50,11 @@ expect "truncated JPEG" 'cut\.jpg: .*broken JPEG' render "$scene" --surface "$wo
 expect "not an image" 'text\.png: ' render "$scene" --surface "$work/text.png"
 expect "folder without images" 'nothing: ' render "$scene" --surface "$work/nothing"
 expect "NaN in a scene" 'nan\.toml:3: .*finite' render "$work/nan.toml"
+expect "NaN on the command line" 'nan: a number must be finite' render "$scene" --duration nan
+expect "NaN in a list" 'nan,0,0: a number must be finite' sound strike "$work/any.modes" --at=nan,0,0
+expect "a mass no body has" 'dense\.toml:2: .*kg/m3' render "$work/dense.toml"
+expect "a ball too far" 'far\.toml:2: .*10000' render "$work/far.toml"
+expect "a camera without direction" 'camera\.toml:2: .*two places' render "$work/camera.toml"
 expect "negative mass" 'mass\.toml:3: .*greater than 0' render "$work/mass.toml"
 expect "unknown key" 'key\.toml:2: .*did you mean "depth"' render "$work/key.toml"
 expect "unwritable output" 'cannot' "$intaglio" -q render "$scene" -o "$work/empty.png/under/x.mp4"

@@ -57,8 +57,10 @@ const ModalModel& plastic_slab() {
 
 Vec3 any_direction(Random& random) {
   Vec3 d;
-  do d = Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
-  while (!(d.norm() > 0.1 && d.norm() < 1));
+  do {
+    for (int axis = 0; axis < 3; ++axis)
+      d[axis] = random.uniform(-1, 1);  // in this order, whatever the compiler
+  } while (!(d.norm() > 0.1 && d.norm() < 1));
   return d.normalized();
 }
 
@@ -176,17 +178,22 @@ TEST_CASE("a ball's degenerate modes become one a group and sound the same, samp
   MESSAGE(ball->modes() << " modes become " << merged.modes());
   CHECK(merged.modes() <= ball->modes() / 3);
   Random random(3);
-  for (int trial = 0; trial < 5; ++trial) {
+  constexpr int trials = 40;
+  double worst = 0, whole = 0;
+  for (int trial = 0; trial < trials; ++trial) {
     const int point = int(random.uniform(0, double(ball->points.size()) - 1));
     const Vec3 n = any_direction(random);
     const auto was = struck(*ball, point, n, 8192), is = struck(merged, point, n, 8192);
-    double difference = 0, power = 0;
+    double difference = 0;
     for (std::size_t k = 0; k < was.size(); ++k) {
       difference += std::pow(double(was[k]) - double(is[k]), 2);
-      power += std::pow(double(was[k]), 2);
+      whole += std::pow(double(was[k]), 2) / trials;
     }
-    CHECK(difference < 1e-3 * power);
+    worst = std::max(worst, difference);
   }
+  // Of what a blow makes in the mean: along the surface some make next to nothing.
+  MESSAGE("differs by " << worst / whole << " of the mean power at most");
+  CHECK(worst < 1e-3 * whole);
 }
 
 TEST_CASE("modes that beat are left alone, modes that do not are one, what is masked is left out") {
