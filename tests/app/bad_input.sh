@@ -51,7 +51,7 @@ expect "not an image" 'text\.png: ' render "$scene" --surface "$work/text.png"
 expect "folder without images" 'nothing: ' render "$scene" --surface "$work/nothing"
 expect "NaN in a scene" 'nan\.toml:3: .*finite' render "$work/nan.toml"
 expect "NaN on the command line" 'nan: a number must be finite' render "$scene" --duration nan
-expect "NaN in a list" 'nan,0,0: a number must be finite' sound strike "$work/any.modes" --at=nan,0,0
+expect "NaN in a list" 'nan,0,0: a number must be finite' "$intaglio" -q sound strike "$work/any.modes" --at=nan,0,0
 expect "a mass no body has" 'dense\.toml:2: .*kg/m3' render "$work/dense.toml"
 expect "a ball too far" 'far\.toml:2: .*10000' render "$work/far.toml"
 expect "a camera without direction" 'camera\.toml:2: .*two places' render "$work/camera.toml"
