@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "intaglio/core/vec.h"
 
@@ -16,6 +17,13 @@ inline constexpr bool is_surface(BodyId id) {
   return id == floor_body || id >= first_surface_body;
 }
 
+// A place on one of a body's textures.
+struct TexturePlace {
+  int texture = 0;            // which of the body's, in the order in which they were given
+  Vec2 uv = Vec2::Zero();     // 0..1
+  Vec2 sweep = Vec2::Zero();  // m/s along u and v: how fast the contact moves over it
+};
+
 enum class ContactPhase : std::uint8_t { begin, persist, end };
 
 // One step of one contact between `body` and the textured surface of `other`, which may be a body that moves
@@ -28,15 +36,20 @@ struct ContactEvent {
   ContactPhase phase = ContactPhase::begin;
   Vec3 point = Vec3::Zero();  // m
   Vec2 uv = Vec2::Zero();     // where on the texture, 0..1
-  Vec3 n_g = Vec3::UnitY();   // normal of the coarse geometry
-  Vec3 n_s = Vec3::UnitY();   // normal sampled from the texture, or of the relief feature touched
-  Vec3 v_t = Vec3::Zero();    // m/s, velocity of the body along the coarse surface
-  Vec3 spin = Vec3::Zero();   // m/s, what the body's turning adds to v_t where it touches: -v_t when it rolls
+  int texture = 0;            // which, of an `other` that has several
+  // m/s, v_t along u and v; unset: of a rectangle that does not move, whose frame tells.
+  std::optional<Vec2> sweep;
+  std::optional<TexturePlace> own;  // where on a texture of `body` itself, if it has one there
+  Vec3 n_g = Vec3::UnitY();         // normal of the coarse geometry
+  Vec3 n_s = Vec3::UnitY();         // normal sampled from the texture, or of the relief feature touched
+  Vec3 v_t = Vec3::Zero();          // m/s, velocity of the body along the coarse surface
+  Vec3 spin = Vec3::Zero();  // m/s, what the body's turning adds to v_t where it touches: -v_t when it rolls
   Vec3 impulse = Vec3::Zero();  // N s, on the body, over the step that ends at `time`
   double duration = 0;          // s, the length of that step
   // s before `time`, 0..duration: when the surfaces met, of what did not touch before; else not-a-number.
   double touch_age = std::numeric_limits<double>::quiet_NaN();
-  Pose body_pose;  // of `body` at `time`
+  Pose body_pose;                  // of `body` at `time`
+  std::optional<Pose> other_pose;  // of `other`, when that moves
 };
 
 }  // namespace intaglio

@@ -121,12 +121,16 @@ BodyId World::State::add(const ShapeBody& body) {
   }
   added.held = inertia.held;
   added.reach = reach(body) + added.held.position.norm();
-  if (added.is_simulated() && options.representation == Representation::relief) {
+  if (added.is_simulated() && options.representation != Representation::flat) {
     added.faces = body.faces;
     added.skin = body.skin;
-    added.texel = texel(body);
   }
-  added.bullet_shape = added.is_textured() ? to_bullet(body, added.held) : to_bullet(added.shape, added.held);
+  if (added.is_textured() && !is_bare()) {
+    added.texel = texel(body);
+    added.bullet_shape = to_bullet(body, added.held);
+  } else {
+    added.bullet_shape = to_bullet(added.shape, added.held);
+  }
   if (body.motion != Motion::free) inertia.mass = 0;
   btRigidBody::btRigidBodyConstructionInfo info(
       static_cast<btScalar>(inertia.mass), nullptr, added.bullet_shape.whole(),

@@ -11,6 +11,9 @@ namespace intaglio::dynamics {
 
 namespace {
 
+// How far from a side that Bullet meets without relief its contact points may be, m.
+constexpr double bare_slack = 1e-3;
+
 // Impulse on body A at one contact over the last step, N s.
 Vec3 impulse_of(const btManifoldPoint& point) {
   return from_bullet(point.m_normalWorldOnB) * static_cast<double>(point.m_appliedImpulse) +
@@ -33,42 +36,57 @@ std::optional<World::State::Texture> World::State::face_texture(const Body& body
                                                                 const Vec3& normal) const {
   const Pose at = pose(body);
   const Vec3 local = at.to_local(point), out = at.orientation.conjugate() * normal;
-  for (const auto& face : body.faces) {
-    const surface::Placement& place = face->placement();
+  const double slack = 0.1 * body.texel + (is_bare() ? bare_slack : 1e-5);
+  for (std::size_t k = 0; k < body.faces.size(); ++k) {
+    const surface::Surface& face = *body.faces[k];
+    const surface::Placement& place = face.placement();
     const Vec3 on = place.to_local(local);
-    const double slack = 0.1 * body.texel + 1e-5;
-    if (out.dot(place.n()) < 0.05 || !place.covers(on) || on.z() > slack ||
-        on.z() < -face->max_depth() - slack)
+    if (out.dot(place.n()) < 0.05 || !place.covers(on, slack) || on.z() > slack ||
+        on.z() < -face.max_depth() - slack)
       continue;
-    return Texture{place.uv(on), at.orientation * place.n(), normal};
+    const Vec2 uv = place.uv(on).cwiseMax(0).cwiseMin(1);
+    Texture met{uv, at.orientation * place.n(), normal, static_cast<int>(k), {}};
+    if (is_bare()) met.n_s = at.orientation * face.world_normal(uv);
+    met.sweep.emplace();
+    *met.sweep << (at.orientation * place.t()).transpose(), (at.orientation * place.b()).transpose();
+    return met;
   }
   return std::nullopt;
 }
 
+World::State::Texture World::State::skin_texture(const surface::ReliefMesh& skin, const Pose& at,
+                                                 const Vec3& point, const Vec3& normal) const {
+  // Bare, it is met as the shape that its triangles stand for.
+  const double slack = is_bare() ? bare_slack + 0.01 * skin.bounds().sizes().norm() : 0;
+  const auto under =
+      skin.base().closest(at.to_local(point), skin.surface().max_depth() + skin.texel() + slack);
+  Texture met{Vec2::Zero(), normal, normal};
+  met.sweep = Eigen::Matrix<double, 2, 3>::Zero();
+  if (!under) return met;
+  met.uv = under->uv;
+  met.n_g = at.orientation * under->n;
+  if (is_bare()) met.n_s = at.orientation * under->direction_to_world(skin.surface().normal(under->uv));
+  Eigen::Matrix<double, 2, 3> along;
+  along << (at.orientation * under->t).transpose(), (at.orientation * under->b).transpose();
+  const Eigen::Matrix2d stretch = skin.base().stretch(*under);
+  if (stretch.determinant() != 0)
+    met.sweep = skin.surface().placement().size().asDiagonal() * stretch.inverse() * along;
+  return met;
+}
+
 std::optional<World::State::Texture> World::State::texture(BodyId other, const Vec3& point,
                                                            const Vec3& normal) const {
-  const surface::ReliefMesh* curved = nullptr;
-  Pose at;
   if (!is_surface(other)) {
     const Body& body = bodies[other - 1];
-    if (!body.skin) return face_texture(body, point, normal);
-    curved = &*body.skin;
-    at = pose(body);
-  } else {
-    const Ground& touched = ground(other);
-    if (touched.curved) {
-      curved = &*touched.curved;
-    } else {
-      const surface::Placement& place = touched.surface->placement();
-      const Vec2 uv = place.uv(place.to_local(point));
-      const bool is_flat = options.representation == Representation::flat;
-      return Texture{uv, place.n(), is_flat ? place.n() : touched.surface->world_normal(uv)};
-    }
+    return body.skin ? skin_texture(*body.skin, pose(body), point, normal)
+                     : face_texture(body, point, normal);
   }
-  const double reach = curved->surface().max_depth() + curved->texel();
-  const auto under = curved->base().closest(at.to_local(point), reach);
-  if (!under) return Texture{Vec2::Zero(), normal, normal};
-  return Texture{under->uv, at.orientation * under->n, normal};
+  const Ground& touched = ground(other);
+  if (touched.curved) return skin_texture(*touched.curved, {}, point, normal);
+  const surface::Placement& place = touched.surface->placement();
+  const Vec2 uv = place.uv(place.to_local(point));
+  const bool is_flat = options.representation == Representation::flat;
+  return Texture{uv, place.n(), is_flat ? place.n() : touched.surface->world_normal(uv)};
 }
 
 Vec3 World::State::velocity_of(BodyId other, const Vec3& point) const {
@@ -88,15 +106,22 @@ ContactEvent World::State::event(const Body& body, const Touch& touch, const Tex
   event.phase = touch.before ? ContactPhase::persist : ContactPhase::begin;
   event.point = drawn && touch.other == floor_body ? drawn->point(point) : point;
   event.uv = texture.uv;
+  event.texture = texture.index;
   event.n_g = texture.n_g;
   event.n_s = texture.n_s;
   event.v_t = velocity - velocity.dot(event.n_g) * event.n_g;
   const Vec3 arm = point - from_bullet(body.rigid->getCenterOfMassPosition());
   const Vec3 turning = from_bullet(body.rigid->getAngularVelocity()).cross(arm);
   event.spin = turning - turning.dot(event.n_g) * event.n_g;
+  if (texture.sweep) event.sweep = *texture.sweep * event.v_t;
+  // The contact goes along with the body's centre, past what turns there.
+  if (body.is_textured())
+    if (const auto own = this->texture(event.body, point, -touch.normal); own && own->sweep)
+      event.own = TexturePlace{own->index, own->uv, *own->sweep * -event.spin};
   event.impulse = impulse;
   event.duration = dt;
   event.body_pose = drawn_pose(body);
+  if (!is_surface(touch.other)) event.other_pose = drawn_pose(bodies[touch.other - 1]);
   return event;
 }
 
@@ -175,6 +200,7 @@ void World::State::collect_pair(const Vec3& point, const Vec3& normal, const Vec
   blow.impulse = impulse;
   blow.duration = dt;
   blow.body_pose = drawn_pose(moved);
+  blow.other_pose = drawn_pose(body(b));
   events.push_back(blow);
 }
 

@@ -25,7 +25,7 @@ struct World::State {
   };
   struct Body {
     contact::Shape shape;
-    std::vector<std::shared_ptr<const surface::Surface>> faces;  // empty in a world without relief
+    std::vector<std::shared_ptr<const surface::Surface>> faces;  // empty in a world without textures
     std::optional<surface::ReliefMesh> skin;                     // likewise
     Pose held;  // of the shape in Bullet's frame: principal axes round the centre of mass
     BulletShape bullet_shape;
@@ -69,6 +69,9 @@ struct World::State {
   struct Texture {
     Vec2 uv = Vec2::Zero();
     Vec3 n_g, n_s;
+    int index = 0;  // of the body's textures
+    // Of what moves or is curved: how fast a velocity (world) sweeps along u and v, in metres of the texture.
+    std::optional<Eigen::Matrix<double, 2, 3>> sweep{};
   };
 
   WorldOptions options;
@@ -124,12 +127,15 @@ struct World::State {
   ContactEvent event(const Body& body, const Touch& touch, const Texture& texture, const Vec3& impulse,
                      double dt) const;
   Vec3 velocity_of(BodyId other, const Vec3& point) const;
+  bool is_bare() const { return options.representation != Representation::relief; }
   const Ground& ground(BodyId id) const {
     return id == floor_body ? *floor : *grounds[id - first_surface_body];
   }
   // Nothing where what is touched has no texture.
   std::optional<Texture> texture(BodyId other, const Vec3& point, const Vec3& normal) const;
   std::optional<Texture> face_texture(const Body& body, const Vec3& point, const Vec3& normal) const;
+  Texture skin_texture(const surface::ReliefMesh& skin, const Pose& at, const Vec3& point,
+                       const Vec3& normal) const;
   void audit(double dt);
 };
 

@@ -102,7 +102,7 @@ void add_curved(Bakery& bakery, BodyId id, const std::string& name, const Surfac
   sound::SoundBody body;
   body.id = id;
   body.is_fixed = true;
-  if (ground.representation != Representation::flat) body.surface = made.surface;
+  if (ground.representation != Representation::flat) body.textures = {made.surface};
   body.rest_pose.position = bounds.center();
   bakery.add(
       body, name, fmt::format("slab {} {} {}", size.x(), size.y(), size.z()),
@@ -115,7 +115,7 @@ void add_slab(Bakery& bakery, BodyId id, const std::string& name, const SurfaceS
   sound::SoundBody body;
   body.id = id;
   body.is_fixed = true;
-  if (slab.representation != Representation::flat) body.surface = made.surface;
+  if (slab.representation != Representation::flat) body.textures = {made.surface};
   body.rest_pose = {
       made.surface->placement().to_world({slab.size.x() / 2, slab.size.y() / 2, -slab.thickness / 2}),
       rotation_of(slab.rotation)};
@@ -177,9 +177,8 @@ void add_bodies(Bakery& bakery, const Scene& scene, const SceneSurface& surface)
     body.id = static_cast<BodyId>(scene.balls.size() + k + 1);
     body.is_fixed = from.body.motion != dynamics::Motion::free;
     body.rest_pose = from.body.pose;
-    if (k < surface.reliefs.size() && !surface.reliefs[k].empty() &&
-        scene.surface.representation == Representation::relief)
-      body.surface = surface.reliefs[k].front().surface;
+    if (k < surface.reliefs.size() && scene.surface.representation != Representation::flat)
+      for (const SceneSurface& relief : surface.reliefs[k]) body.textures.push_back(relief.surface);
     const Solid solid = solid_of(from.body.shape);
     bakery.add(body, fmt::format("{} {}", from.name, k + 1), solid.name, solid.mesh, from.body.material);
   }

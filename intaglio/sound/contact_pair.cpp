@@ -4,17 +4,30 @@
 #include <cmath>
 
 #include "intaglio/sound/curvature.h"
-#include "intaglio/sound/meso.h"
 
 namespace intaglio::sound {
 
 namespace {
 
-constexpr std::size_t max_crossings = 256;
-constexpr double longest_path = 0.25;  // of the texture, in one step; more is a jump
+constexpr double longest_jump = 0.25;  // of the texture, off the way that its speed foretells
 
 double inverse_mass(const SoundBody& body) {
   return body.is_fixed ? 0 : 1 / body.mass;
+}
+
+const surface::Surface* texture_of(const SoundBody& body, int k) {
+  const bool has = k >= 0 && static_cast<std::size_t>(k) < body.textures.size();
+  return has ? body.textures[static_cast<std::size_t>(k)].get() : nullptr;
+}
+ReliefPlace place_on_body(const SoundBody& body, const ContactEvent& event) {
+  if (!event.own) return {};
+  return {texture_of(body, event.own->texture), event.own->uv, event.own->sweep};
+}
+ReliefPlace place_on_other(const SoundBody& other, const ContactEvent& event) {
+  const surface::Surface* const surface = texture_of(other, event.texture);
+  if (!surface) return {};
+  const Vec2 along = surface->placement().direction_to_local(event.v_t).head<2>();
+  return {surface, event.uv, event.sweep.value_or(along)};
 }
 
 }  // namespace
@@ -45,12 +58,12 @@ void ContactPair::meet(int body, int other) {
     return RubbingBody{&noise, micro_level(ensemble_.material(i).micro, options_.micro_level),
                        random_.uniform() * noise.period()};
   };
-  rubbing_.meet({rough(body), rough(other)}, options_.meso == MesoSource::height ? b.surface.get() : nullptr,
-                a.mass);
+  rubbing_.meet({rough(body), rough(other)}, mass_);
   sides_[0].body = body;
   sides_[1].body = other;
   sides_[1].sign = -1;
   for (Side& side : sides_) {
+    side.to = {};
     const auto modes = static_cast<std::size_t>(ensemble_.padded_modes(side.body));
     side.blow_gains = std::span(side.blow_room).first(modes);
     side.normal_gains = std::span(side.normal_room).first(modes);
@@ -76,16 +89,15 @@ void ContactPair::finish_step(double now) {
   }
   const Vec3 impulse = force_.step(step_.impulse);
   const bool is_first = step_.has_begin || !is_touching_;
-  const ContactEvent& point = is_touching_ ? step_.nearest_point(uv_) : step_.main_point();
-  uv_from_ = uv_;
-  uv_ = point.uv;
-  find_radius(point);
+  const ContactEvent& point = is_touching_ ? step_.nearest_point(place_) : step_.main_point();
+  follow(point);
+  find_radius();
   if (is_first || options_.meso == MesoSource::engine_impulses) {
     const double within = step_.touch().value_or(step_.has_begin ? 0.5 : place_within());
     blow(impulse, std::max(now, step_.start() + within * step_.duration));
   }
   find_gains(step_.main_point().n_g, &Side::normal_gains);
-  if (options_.meso == MesoSource::normal_map && finds_path()) cross_texels(now);
+  if (options_.meso == MesoSource::normal_map) cross_texels(now);
   rub(point);
   is_touching_ = true;
   last_step_ = step_;
@@ -130,58 +142,74 @@ void ContactPair::blow(const Vec3& impulse, double start) {
 }
 
 // Where the relief is what the engine meets, its curvature decides how hard a blow is.
-void ContactPair::find_radius(const ContactEvent& point) {
-  const SoundBody &a = ensemble_.body(body()), &b = ensemble_.body(other());
-  if (!b.surface || options_.meso == MesoSource::normal_map) return;
-  radius_ =
-      contact_radius(a.radius_of_curvature, b.radius_of_curvature, relief_curvature(*b.surface, point.uv, 0));
+void ContactPair::find_radius() {
+  if (options_.meso == MesoSource::normal_map) return;
+  double curvature = 0;
+  for (const Side& side : sides_)
+    if (side.to.surface) curvature += relief_curvature(*side.to.surface, side.to.uv, 0);
+  radius_ = contact_radius(ensemble_.body(body()).radius_of_curvature,
+                           ensemble_.body(other()).radius_of_curvature, curvature);
 }
 
-// Whether the contact went from where it was to where it is along the surface: more than a quarter of the
-// texture is a jump.
-bool ContactPair::finds_path() {
-  const bool goes_on = is_touching_ && !step_.has_begin;
-  return goes_on && ensemble_.body(other()).surface && (uv_ - uv_from_).cwiseAbs().maxCoeff() <= longest_path;
+// The contact goes on to `to` when its speed led it near there: not to another texture, nor far off. Across
+// the seam of a texture that goes round its body uv runs on.
+void ContactPair::follow(Side& side, const ReliefPlace& to) {
+  const surface::Surface* const surface = to.surface;
+  side.follows_path = is_touching_ && !step_.has_begin && surface && surface == side.to.surface;
+  side.from = side.to.uv;
+  side.to = to;
+  if (!side.follows_path) return;
+  Vec2 jump = to.uv - side.from - step_.duration * to.sweep.cwiseQuotient(surface->placement().size());
+  if (surface->edge() == surface::Edge::wrap) {
+    const Vec2 turns = jump.array().round();
+    side.to.uv -= turns;
+    jump -= turns;
+  }
+  side.follows_path = jump.cwiseAbs().maxCoeff() <= longest_jump;
 }
 
+void ContactPair::follow(const ContactEvent& point) {
+  place_ = point.point;
+  follow(sides_[0], place_on_body(ensemble_.body(body()), point));
+  follow(sides_[1], place_on_other(ensemble_.body(other()), point));
+}
+
+MesoWalk ContactPair::walk(const Side& side, double mass) {
+  if (!side.follows_path) return {};
+  return walk_texels(*side.to.surface, side.from, side.to.uv, mass, side.to.sweep, crossings_);
+}
+
+// A bump of either body drives both apart.
 void ContactPair::cross_texels(double now) {
-  const surface::Surface& surface = *ensemble_.body(other()).surface;
-  std::array<MesoImpulse, max_crossings> crossings;
-  const MesoWalk walk = walk_texels(surface, uv_from_, uv_, ensemble_.body(body()).mass,
-                                    step_.nearest_point(uv_).v_t, crossings);
-  if (!walk.is_complete) ++truncated_paths_;
-  for (std::size_t i = 0; i < walk.count; ++i) {
-    const double impulse = crossings[i].impulse.dot(surface.placement().n());
-    const double start = std::max(now, step_.start() + crossings[i].fraction * step_.duration);
-    for (const Side& side : sides_)
-      ensemble_.strike(side.body, side.normal_gains, shape_of(impulse, start), impulse);
+  for (const Side& swept : sides_) {
+    const MesoWalk way = walk(swept, mass_);
+    if (!way.is_complete) ++truncated_paths_;
+    for (const MesoImpulse& hit : std::span(crossings_).first(way.count)) {
+      const double start = std::max(now, step_.start() + hit.fraction * step_.duration);
+      for (const Side& side : sides_)
+        ensemble_.strike(side.body, side.normal_gains, shape_of(hit.impulse, start), hit.impulse);
+    }
   }
 }
 
-// When within its step the engine's blow came, 0..1: when the path crossed the sharpest bend of the texture;
-// at a seeded random place when it crossed none, or steps would buzz.
+// When within its step the engine's blow came, 0..1: when the way crossed the sharpest bend of a texture; at
+// a seeded random place when it crossed none, or steps would buzz.
 double ContactPair::place_within() {
-  const double random = random_.uniform();
-  if (!finds_path()) return random;
-  std::array<MesoImpulse, max_crossings> crossings;
-  const MesoWalk walk = walk_texels(*ensemble_.body(other()).surface, uv_from_, uv_, 1,
-                                    step_.nearest_point(uv_).v_t, crossings);
-  const auto end = crossings.begin() + static_cast<std::ptrdiff_t>(walk.count);
-  const auto sharpest = std::max_element(crossings.begin(), end, [](const auto& a, const auto& b) {
-    return a.impulse.squaredNorm() < b.impulse.squaredNorm();
-  });
-  return sharpest == end || sharpest->impulse.isZero() ? random : sharpest->fraction;
+  MesoImpulse sharpest{random_.uniform(), 0};
+  for (const Side& swept : sides_) {
+    for (const MesoImpulse& hit : std::span(crossings_).first(walk(swept, 1).count))
+      if (std::abs(hit.impulse) > std::abs(sharpest.impulse)) sharpest = hit;
+  }
+  return sharpest.fraction;
 }
 
 void ContactPair::rub(const ContactEvent& point) {
   ContactMotion to = contact_motion(point.v_t, point.spin);
   to.force = std::max(0.0, step_.normal_impulse) / step_.duration;
-  to.uv = uv_;
-  if (const auto& surface = ensemble_.body(other()).surface)
-    to.velocity = surface->placement().direction_to_local(point.v_t).head<2>();
+  if (options_.meso == MesoSource::height) to.relief = {sides_[0].to, sides_[1].to};
   rubbing_.set_footprint(2 * hertz_patch_radius(to.force, radius_, modulus_));
   if (is_touching_ && !step_.has_begin) {
-    rubbing_.step(step_.start(), step_.time, to, finds_path());
+    rubbing_.step(step_.start(), step_.time, to, {sides_[0].follows_path, sides_[1].follows_path});
   } else {
     rubbing_.touch(step_.start(), step_.time, to);
   }

@@ -15,6 +15,7 @@
 #include "intaglio/sound/contact_force.h"
 #include "intaglio/sound/contact_step.h"
 #include "intaglio/sound/ensemble.h"
+#include "intaglio/sound/meso.h"
 #include "intaglio/sound/rubbing.h"
 #include "intaglio/sound/synthesizer.h"
 
@@ -53,12 +54,18 @@ class ContactPair {
     double sign = 1;
     std::vector<float> blow_room, normal_room;      // for the body with most modes
     std::span<float> blow_gains{}, normal_gains{};  // of this one
+    // The way of the contact over its texture through the step, if it has one there and a way leads on.
+    Vec2 from = Vec2::Zero();
+    ReliefPlace to{};
+    bool follows_path = false;
   };
+  void follow(Side& side, const ReliefPlace& to);
+  void follow(const ContactEvent& point);
   void find_gains(const Vec3& direction, std::span<float> Side::*gains);
   HalfSine shape_of(double impulse, double start) const;
   void blow(const Vec3& impulse, double start);
-  void find_radius(const ContactEvent& point);
-  bool finds_path();
+  void find_radius();
+  MesoWalk walk(const Side& side, double mass);
   void cross_texels(double now);
   double place_within();
   void rub(const ContactEvent& point);
@@ -74,7 +81,8 @@ class ContactPair {
   ContactStep step_;       // being gathered
   ContactStep last_step_;  // finished
   bool is_touching_ = false;
-  Vec2 uv_from_ = Vec2::Zero(), uv_ = Vec2::Zero();  // the path of the contact through the step
+  Vec3 place_ = Vec3::Zero();  // of the contact, the last time
+  std::array<MesoImpulse, 256> crossings_;
   Rubbing rubbing_;
   std::array<float, block_samples> noise_;
   std::uint64_t truncated_paths_ = 0;

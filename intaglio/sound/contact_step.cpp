@@ -42,9 +42,9 @@ std::optional<double> ContactStep::touch() const {
   return when;
 }
 
-const ContactEvent& ContactStep::nearest_point(const Vec2& uv) const {
+const ContactEvent& ContactStep::nearest_point(const Vec3& place) const {
   const auto less = [&](const ContactEvent& a, const ContactEvent& b) {
-    return (a.uv - uv).norm() < (b.uv - uv).norm();
+    return (a.point - place).squaredNorm() < (b.point - place).squaredNorm();
   };
   return *std::min_element(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count), less);
 }

@@ -25,12 +25,12 @@ struct ContactStep {
   void add(const ContactEvent& event);
   // How much of the step's impulse point i bears; all add up to 1.
   double share(std::size_t i) const;
-  // The point that bears most, and the one whose uv is nearest to `uv`.
+  // The point that bears most, and the one nearest to `place`, world.
   const ContactEvent& main_point() const;
   // When the first of those points met what it touches that did not touch before and bear a third of the step
   // at least; 0..1 of the step.
   std::optional<double> touch() const;
-  const ContactEvent& nearest_point(const Vec2& uv) const;
+  const ContactEvent& nearest_point(const Vec3& place) const;
 };
 
 }  // namespace intaglio::sound

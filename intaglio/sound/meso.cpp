@@ -34,17 +34,17 @@ Vec3 normal_momentum(double mass, const Vec3& v_t, const Vec3& n_g, const Vec3& 
 }
 
 MesoWalk walk_texels(const surface::Surface& surface, const Vec2& uv0, const Vec2& uv1, double mass,
-                     const Vec3& v_t, std::span<MesoImpulse> out) {
+                     const Vec2& sweep, std::span<MesoImpulse> out) {
   const double width = surface.width(), height = surface.height();
-  const surface::Placement& placement = surface.placement();
+  const Vec3 v_t(sweep.x(), sweep.y(), 0);
   AxisWalk u(uv0.x() * width, uv1.x() * width);
   AxisWalk v(uv0.y() * height, uv1.y() * height);
   const auto momentum_here = [&] {
     const Vec3 n_s = surface.texel_normal({(u.texel + 0.5) / width, (v.texel + 0.5) / height});
-    return normal_momentum(mass, v_t, placement.n(), placement.direction_to_world(n_s));
+    return normal_momentum(mass, v_t, Vec3::UnitZ(), n_s).z();
   };
   MesoWalk walk;
-  Vec3 momentum = momentum_here();
+  double momentum = momentum_here();
   while (std::min(u.next, v.next) < 1) {
     if (walk.count == out.size()) {
       walk.is_complete = false;
@@ -53,7 +53,7 @@ MesoWalk walk_texels(const surface::Surface& surface, const Vec2& uv0, const Vec
     AxisWalk& axis = u.next < v.next ? u : v;
     const double fraction = axis.next;
     axis.advance();
-    const Vec3 after = momentum_here();
+    const double after = momentum_here();
     out[walk.count++] = {fraction, after - momentum};
     momentum = after;
   }

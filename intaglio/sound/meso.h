@@ -19,8 +19,8 @@ inline constexpr double least_normal_cosine = 0.1;
 Vec3 normal_momentum(double mass, const Vec3& v_t, const Vec3& n_g, const Vec3& n_s);
 
 struct MesoImpulse {
-  double fraction = 0;          // when within the step: 0 start, 1 end
-  Vec3 impulse = Vec3::Zero();  // N s on the body, along n_g
+  double fraction = 0;  // when within the step: 0 start, 1 end
+  double impulse = 0;   // N s, along n_g: what parts the bodies is positive
 };
 
 struct MesoWalk {
@@ -29,10 +29,11 @@ struct MesoWalk {
 };
 
 // Visits each texel that the straight path from uv0 to uv1 crosses, in order, and writes the impulse of each
-// crossing to `out`. `v_t` in the world frame. The path may leave 0..1; the surface wraps or clamps. Cost:
-// two texels a crossing. Source of the traversal: Amanatides & Woo, "A fast voxel traversal algorithm for ray
+// crossing to `out`. `sweep`: v_t along u and v, m/s; wherever the surface lies and whatever it is bent
+// round, its own frame is all that counts. The path may leave 0..1; the surface wraps or clamps. Cost: two
+// texels a crossing. Source of the traversal: Amanatides & Woo, "A fast voxel traversal algorithm for ray
 // tracing", 1987.
 MesoWalk walk_texels(const surface::Surface& surface, const Vec2& uv0, const Vec2& uv1, double mass,
-                     const Vec3& v_t, std::span<MesoImpulse> out);
+                     const Vec2& sweep, std::span<MesoImpulse> out);
 
 }  // namespace intaglio::sound

@@ -26,35 +26,35 @@ double scraped_share(double sweep, double slip) {
   return pressed_share + (1 - pressed_share) * std::min(1.0, slip / sweep);
 }
 
-void Rubbing::meet(const std::array<RubbingBody, 2>& bodies, const surface::Surface* relief, double mass) {
-  *this = Rubbing(bodies, relief, mass);
-}
-
-void Rubbing::step(double start, double end, const ContactMotion& to, bool follows_path) {
+void Rubbing::step(double start, double end, const ContactMotion& to,
+                   const std::array<bool, 2>& follows_path) {
   start_ = start;
   end_ = end;
   from_ = to_;
   to_ = to;
-  if (follows_path) return;
-  from_.uv = to.uv;
-  from_.velocity = to.velocity;
-  has_momentum_ = false;
+  for (std::size_t k = 0; k < 2; ++k) {
+    if (follows_path[k]) continue;
+    from_.relief[k] = to.relief[k];
+    momentum_[k].reset();
+  }
 }
 
 void Rubbing::touch(double start, double end, ContactMotion to) {
   to.force = 0;
   to_ = to;
-  step(start, end, to, false);
+  step(start, end, to, {false, false});
 }
 
 ContactMotion Rubbing::at(double t) const {
   const auto between = [t](const auto& a, const auto& b) { return a + t * (b - a); };
   ContactMotion now;
   now.force = between(from_.force, to_.force);
-  for (std::size_t k = 0; k < 2; ++k) now.sweep[k] = between(from_.sweep[k], to_.sweep[k]);
   now.slip = between(from_.slip, to_.slip);
-  now.uv = between(from_.uv, to_.uv);
-  now.velocity = between(from_.velocity, to_.velocity);
+  for (std::size_t k = 0; k < 2; ++k) {
+    now.sweep[k] = between(from_.sweep[k], to_.sweep[k]);
+    const ReliefPlace &from = from_.relief[k], &to = to_.relief[k];
+    now.relief[k] = {to.surface, between(from.uv, to.uv), between(from.sweep, to.sweep)};
+  }
   return now;
 }
 
@@ -71,14 +71,19 @@ double Rubbing::micro(const ContactMotion& now, double fade, double dt) {
   return now.force * fade * force * dt;
 }
 
-// p_n of the slope under the patch: -v_t . n_s / n_g . n_s is the rate at which the height changes.
+// p_n of the slope under the patch: -v_t . n_s / n_g . n_s is the rate at which the height changes. What both
+// reliefs do adds up: it is their gap that changes.
 double Rubbing::meso(const ContactMotion& now, double fade, double dt) {
-  if (!relief_) return 0;
-  const double climb = relief_->smooth(now.uv, footprint_).gradient.dot(now.velocity) * fade;
-  const double before = has_momentum_ ? momentum_ : mass_ * climb;
-  has_momentum_ = true;
-  momentum_ = mass_ * climb;
-  return std::max(momentum_ - before, -now.force * dt);
+  double impulse = 0;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const ReliefPlace& place = now.relief[k];
+    if (!place.surface) continue;
+    const double momentum =
+        mass_ * place.surface->smooth(place.uv, footprint_).gradient.dot(place.sweep) * fade;
+    impulse += momentum - momentum_[k].value_or(momentum);
+    momentum_[k] = momentum;
+  }
+  return std::max(impulse, -now.force * dt);
 }
 
 bool Rubbing::sample(std::int64_t first, double dt, std::span<float> out) {

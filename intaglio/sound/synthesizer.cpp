@@ -113,6 +113,7 @@ void Synthesizer::Engine::take_due_events() {
     const ContactEvent& event = events_.front();
     if (ContactPair* const pair = pair_of(event)) {
       ensemble_.move(pair->body(), event.body_pose);
+      if (event.other_pose) ensemble_.move(pair->other(), *event.other_pose);
       ensemble_.touch(pair->other(), event.point);
       pair->add(event, now);
     } else {

@@ -5,9 +5,10 @@
 //
 // - macro, the first touch: the impulse of its step as one Hertz half-sine in the middle of the step.
 // - meso, while contact lasts: the engine's impulses (§1.3.3), of which only what is new strikes (see
-//   contact_force.h), each where within its step the contact crossed the sharpest bend of the texture; or
+//   contact_force.h), each where within its step the contact crossed the sharpest bend of a texture; or
 //   Eq. 1.4 at every texel that the contact crosses (meso.h); or Eq. 1.4 sample by sample with the slope of
-//   the height under the contact patch (rubbing.h).
+//   the height under the contact patch (rubbing.h). Of both bodies, where both have textures: a ball that
+//   rolls sweeps over its own as fast as over the floor's; what is dragged sweeps over the floor's only.
 // - micro, while contact lasts: fractal noise of both surfaces by the distance swept over each, level by
 //   normal force (rubbing.h).
 //
@@ -61,8 +62,9 @@ struct SoundBody {
   bool is_fixed = false;                    // its mass counts as infinite
   // m, where it touches; flat by default. Relief adds its own curvature.
   double radius_of_curvature = std::numeric_limits<double>::infinity();
-  Pose rest_pose;                                   // until an event tells where it is
-  std::shared_ptr<const surface::Surface> surface;  // of a textured body, for meso
+  Pose rest_pose;  // until an event tells where it is
+  // Its textures, for meso, in the order by which events number them.
+  std::vector<std::shared_ptr<const surface::Surface>> textures;
 };
 
 struct SynthesizerStatus {

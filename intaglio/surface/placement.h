@@ -24,6 +24,7 @@ class Placement {
 
   double size_u() const { return size_u_; }
   double size_v() const { return size_v_; }
+  Vec2 size() const { return {size_u_, size_v_}; }
   Vec3 t() const { return axes_.col(0); }
   Vec3 b() const { return axes_.col(1); }
   Vec3 n() const { return axes_.col(2); }
@@ -33,9 +34,10 @@ class Placement {
   Vec3 direction_to_local(const Vec3& world) const { return axes_.transpose() * world; }
   Vec3 direction_to_world(const Vec3& local) const { return axes_ * local; }
   Vec2 uv(const Vec3& local) const { return {local.x() / size_u_, local.y() / size_v_}; }
-  // Whether a local point is over (or under) the rectangle.
-  bool covers(const Vec3& local) const {
-    return local.x() >= 0 && local.x() <= size_u_ && local.y() >= 0 && local.y() <= size_v_;
+  // Whether a local point is over (or under) the rectangle, or beside it by `slack` metres at most.
+  bool covers(const Vec3& local, double slack = 0) const {
+    return local.x() >= -slack && local.x() <= size_u_ + slack && local.y() >= -slack &&
+           local.y() <= size_v_ + slack;
   }
 
  private:

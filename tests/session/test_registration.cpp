@@ -226,6 +226,62 @@ TEST_CASE("a ball that rolls over a grating sounds at v / lambda, whichever sour
   }
 }
 
+TEST_CASE("a ball with a grating round it sounds at v / lambda on a flat floor: its own texture is swept") {
+  constexpr int waves = 12;
+  constexpr double radius = 0.02, wavelength = tau * radius / waves;
+  for (const char* source : {"texels", "height", "engine", "height on relief"}) {
+    CAPTURE(source);
+    const std::string kind = source;
+    const bool is_relief = kind == "engine" || kind == "height on relief";
+    const double depth = is_relief ? 0.0003 : 0.00005;
+    // Its poles are to either side of its way.
+    Scene scene = scene_of(
+        "duration = 1.7\n[[body]]\nshape = \"sphere\"\nradius = 0.02\nposition = [-0.23, 0.02001, 0]\n"
+        "rotation = [90, 0, 0]\nvelocity = [0.3, 0, 0]\nspin = [0, 0, -15]\n"
+        "skin = { texture = \"brick_running\", depth = 0.00005 }\n");
+    scene.surface.representation = is_relief ? Representation::relief : Representation::normal;
+    scene.sound.meso = kind == "engine"           ? sound::MesoSource::engine_impulses
+                       : kind.starts_with("height") ? sound::MesoSource::height
+                                                    : sound::MesoSource::normal_map;
+    scene.physics.rate = 960;
+    SceneSurface surface = grating(1, 0);
+    auto made = make_surface(scene);
+    REQUIRE_MESSAGE(made, (made ? "" : made.error().message()));
+    surface.reliefs = std::move(made->reliefs);
+    SceneSurface& skin = surface.reliefs[0][0];
+    skin.surface = grating(side / waves, depth).surface;
+    skin.curved = *surface::ReliefMesh::make(skin.surface, skin.curved->base());
+    for (Material* material : {&scene.bodies[0].body.material, &surface.material}) {
+      material->rayleigh_alpha = 2000;
+      material->rolling_resistance = 0;
+    }
+    const Recording recording = run(scene, surface);
+    std::vector<Vec2> way;  // s, m over its own texture
+    double u = 0, travelled = 0;
+    for (const ContactEvent& e : recording.events) {
+      if (!e.own || (!way.empty() && e.time <= way.back().x())) continue;
+      const double turned = e.own->uv.x() - u;
+      if (!way.empty()) travelled += (turned - std::round(turned)) * tau * radius;
+      u = e.own->uv.x();
+      way.emplace_back(e.time, std::abs(travelled));
+    }
+    REQUIRE(way.size() > 1000);
+    const auto x = [&](double t) {
+      const auto next = std::upper_bound(way.begin(), way.end() - 1, t,
+                                         [](double at, const Vec2& w) { return at < w.x(); });
+      const Vec2 &b = *next, &a = *std::max(way.begin(), next - 1);
+      return b.x() > a.x() ? a.y() + (b.y() - a.y()) * (t - a.x()) / (b.x() - a.x()) : a.y();
+    };
+    const double from = 0.2, to = 1.5, hertz = (x(to) - x(from)) / (to - from) / wavelength;
+    const double heard = repetition(recording.audio, from, to, wavelength, x);
+    MESSAGE(std::string(source) << ": v / lambda " << hertz << " Hz, heard " << hertz * wavelength / heard
+                                << " Hz");
+    CHECK(hertz > 10);
+    CHECK(heard == doctest::Approx(wavelength).epsilon(0.005));
+    CHECK(loudest(recording.audio) > 0);
+  }
+}
+
 TEST_CASE("each onset of a ball that rolls over a relief is at a touch, as early within its step") {
   const double wavelength = 0.02;
   Scene scene = scene_of(

@@ -30,7 +30,7 @@ inline std::vector<SoundBody> bodies(double slope = 0.3) {
   floor.model = test::small_slab();
   floor.is_fixed = true;
   floor.rest_pose.position = {0, -0.015, 0};
-  floor.surface = grooves(slope);
+  floor.textures = {grooves(slope)};
   SoundBody ball;
   ball.id = ball_id;
   ball.model = test::small_ball();

@@ -34,11 +34,12 @@ std::vector<float> steady(Rubbing rubbing, ContactMotion motion, double force = 
   std::vector<float> out(44'100);
   motion.force = force;
   rubbing.touch(0, 0, motion);
-  const Vec2 start = motion.uv;
+  const auto start = motion.relief;
   std::size_t done = 0;
   for (int k = 0; k < 480; ++k) {
-    motion.uv = start + motion.velocity * (k + 1) / 480;  // on a texture of 1 m
-    rubbing.step(k / 480.0, (k + 1) / 480.0, motion, true);
+    for (std::size_t i = 0; i < 2; ++i)  // on textures of 1 m
+      motion.relief[i].uv = start[i].uv + start[i].sweep * (k + 1) / 480;
+    rubbing.step(k / 480.0, (k + 1) / 480.0, motion, {true, true});
     const auto end = std::size_t((k + 1) / 480.0 * rate);
     rubbing.sample(std::int64_t(done), 1 / rate, std::span(out).subspan(done, end - done));
     done = end;
@@ -58,7 +59,7 @@ const MicroNoise& coarse() {
 
 Rubbing rough(double level_body, double level_other) {
   Rubbing rubbing;
-  rubbing.meet({{{&fine(), level_body, 0}, {&coarse(), level_other, 0}}}, nullptr, 1);
+  rubbing.meet({{{&fine(), level_body, 0}, {&coarse(), level_other, 0}}}, 1);
   return rubbing;
 }
 
@@ -146,17 +147,17 @@ TEST_CASE("no force, no motion, no contact: nothing") {
   ContactMotion still;
   still.force = 5;
   rubbing.touch(0, 0.01, still);
-  rubbing.step(0.01, 0.02, still, true);
+  rubbing.step(0.01, 0.02, still, {true, true});
   CHECK_FALSE(rubbing.sample(441, 1 / rate, out));
   ContactMotion moving = contact_motion({1, 0, 0}, Vec3::Zero());
   moving.force = 5;
-  rubbing.step(0.02, 0.03, moving, true);
+  rubbing.step(0.02, 0.03, moving, {true, true});
   CHECK(rubbing.sample(1000, 1 / rate, out));
   rubbing.part();
   CHECK_FALSE(rubbing.sample(1100, 1 / rate, out));
   // After its last step it fades to nothing within 30 ms.
   rubbing.touch(0, 0.01, moving);
-  rubbing.step(0.01, 0.02, moving, true);
+  rubbing.step(0.01, 0.02, moving, {true, true});
   CHECK(rubbing.sample(std::int64_t(0.0499 * rate), 1 / rate, out));
   CHECK(rms(std::span(out).last(32)) == 0);
   CHECK_FALSE(rubbing.sample(std::int64_t(0.051 * rate), 1 / rate, out));
@@ -165,9 +166,9 @@ TEST_CASE("no force, no motion, no contact: nothing") {
 TEST_CASE("relief by height: a sine of v / lambda whose impulses are m times the change of climb") {
   const surface::Surface surface = waves(50);
   Rubbing rubbing;
-  rubbing.meet({{{&fine(), 0, 0}, {&fine(), 0, 0}}}, &surface, 0.02);
+  rubbing.meet({{{&fine(), 0, 0}, {&fine(), 0, 0}}}, 0.02);
   ContactMotion motion = contact_motion({0.4, 0, 0}, Vec3::Zero());
-  motion.velocity = {0.4, 0};
+  motion.relief[1] = {&surface, Vec2::Zero(), {0.4, 0}};
   const std::vector<float> out = steady(rubbing, motion, 50);
   // p_n = m v h'(x): of amplitude m v (2 pi / lambda) a; per sample it changes by 2 pi f dt of that.
   const double f = 0.4 * 50;

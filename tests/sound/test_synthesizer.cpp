@@ -254,9 +254,9 @@ TEST_CASE("limits are kept and counted: pulses, path length, late events, strang
     surface::Texels texels;
     texels.width = texels.height = 2048;
     texels.normal.assign(2048u * 2048u, Vec3::UnitZ());
-    all[0].surface = std::make_shared<surface::Surface>(
+    all[0].textures = {std::make_shared<surface::Surface>(
         std::move(texels), surface::Placement(Vec3::Zero(), Quat::Identity(), 0.5, 0.5), 0.001,
-        surface::Edge::wrap);
+        surface::Edge::wrap)};
     return all;
   }());
   ContactEvent later = contact(2, 0.001, 1);
