@@ -240,7 +240,7 @@ TEST_CASE("a ball with a grating round it sounds at v / lambda on a flat floor: 
         "rotation = [90, 0, 0]\nvelocity = [0.3, 0, 0]\nspin = [0, 0, -15]\n"
         "skin = { texture = \"brick_running\", depth = 0.00005 }\n");
     scene.surface.representation = is_relief ? Representation::relief : Representation::normal;
-    scene.sound.meso = kind == "engine"           ? sound::MesoSource::engine_impulses
+    scene.sound.meso = kind == "engine"             ? sound::MesoSource::engine_impulses
                        : kind.starts_with("height") ? sound::MesoSource::height
                                                     : sound::MesoSource::normal_map;
     scene.physics.rate = 960;
