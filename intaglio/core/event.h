@@ -36,14 +36,16 @@ struct ContactEvent {
   ContactPhase phase = ContactPhase::begin;
   Vec3 point = Vec3::Zero();  // m
   Vec2 uv = Vec2::Zero();     // where on the texture, 0..1
-  int texture = 0;            // which, of an `other` that has several
+  int texture = 0;            // which, of an `other` that has several; less than 0: none there
   // m/s, v_t along u and v; unset: of a rectangle that does not move, whose frame tells.
   std::optional<Vec2> sweep;
   std::optional<TexturePlace> own;  // where on a texture of `body` itself, if it has one there
   Vec3 n_g = Vec3::UnitY();         // normal of the coarse geometry
   Vec3 n_s = Vec3::UnitY();         // normal sampled from the texture, or of the relief feature touched
-  Vec3 v_t = Vec3::Zero();          // m/s, velocity of the body along the coarse surface
-  Vec3 spin = Vec3::Zero();  // m/s, what the body's turning adds to v_t where it touches: -v_t when it rolls
+  // m/s, velocity of the contact along the coarse surface: of a ball that rolls that of its centre, of what
+  // slides that of the body. And what the body's own surface there moves at beyond that: -v_t when it rolls.
+  Vec3 v_t = Vec3::Zero();
+  Vec3 spin = Vec3::Zero();
   Vec3 impulse = Vec3::Zero();  // N s, on the body, over the step that ends at `time`
   double duration = 0;          // s, the length of that step
   // s before `time`, 0..duration: when the surfaces met, of what did not touch before; else not-a-number.

@@ -141,6 +141,7 @@ BodyId World::State::add(const ShapeBody& body) {
   // Bullet's rolling friction of a pair is a.rolling * b.friction + b.rolling * a.friction, a length. Ours is
   // the sum of both materials' times the radius: all of it is given to the body.
   const double floor_friction = floor->rigid.getFriction(), radius = std::visit(RollingRadius{}, added.shape);
+  if (radius > 0) added.bend = 1 / radius;
   if (floor_friction > 0)
     info.m_rollingFriction = static_cast<btScalar>(
         (body.material.rolling_resistance + floor_rolling_resistance) * radius / floor_friction);

@@ -13,6 +13,10 @@ namespace {
 
 // How far from a side that Bullet meets without relief its contact points may be, m.
 constexpr double bare_slack = 1e-3;
+// Of its size, how far from a skin the contacts of a step may lie by its end.
+constexpr double skin_slack = 0.1;
+// Triangles flatter than that have no direction along u and v.
+constexpr double least_area = 1e-4;
 
 // Impulse on body A at one contact over the last step, N s.
 Vec3 impulse_of(const btManifoldPoint& point) {
@@ -54,23 +58,21 @@ std::optional<World::State::Texture> World::State::face_texture(const Body& body
   return std::nullopt;
 }
 
-World::State::Texture World::State::skin_texture(const surface::ReliefMesh& skin, const Pose& at,
-                                                 const Vec3& point, const Vec3& normal) const {
-  // Bare, it is met as the shape that its triangles stand for.
-  const double slack = is_bare() ? bare_slack + 0.01 * skin.bounds().sizes().norm() : 0;
-  const auto under =
-      skin.base().closest(at.to_local(point), skin.surface().max_depth() + skin.texel() + slack);
-  Texture met{Vec2::Zero(), normal, normal};
-  met.sweep = Eigen::Matrix<double, 2, 3>::Zero();
+World::State::Texture World::State::curved_texture(const surface::ReliefMesh& relief, const Pose& at,
+                                                   const Vec3& point, const Vec3& normal,
+                                                   double reach) const {
+  Texture met{Vec2::Zero(), normal, normal, -1};
+  const auto under = relief.base().closest(at.to_local(point), reach);
   if (!under) return met;
-  met.uv = under->uv;
-  met.n_g = at.orientation * under->n;
-  if (is_bare()) met.n_s = at.orientation * under->direction_to_world(skin.surface().normal(under->uv));
+  const surface::Surface& surface = relief.surface();
+  met = {under->uv, at.orientation * under->n, normal};
+  if (is_bare()) met.n_s = at.orientation * under->direction_to_world(surface.normal(under->uv));
+  met.sweep = Eigen::Matrix<double, 2, 3>::Zero();
+  const Eigen::Matrix2d stretch = relief.base().stretch(*under);
+  if (std::abs(stretch.determinant()) < least_area * stretch.squaredNorm()) return met;
   Eigen::Matrix<double, 2, 3> along;
   along << (at.orientation * under->t).transpose(), (at.orientation * under->b).transpose();
-  const Eigen::Matrix2d stretch = skin.base().stretch(*under);
-  if (stretch.determinant() != 0)
-    met.sweep = skin.surface().placement().size().asDiagonal() * stretch.inverse() * along;
+  met.sweep = surface.placement().size().asDiagonal() * stretch.inverse() * along;
   return met;
 }
 
@@ -78,15 +80,25 @@ std::optional<World::State::Texture> World::State::texture(BodyId other, const V
                                                            const Vec3& normal) const {
   if (!is_surface(other)) {
     const Body& body = bodies[other - 1];
-    return body.skin ? skin_texture(*body.skin, pose(body), point, normal)
-                     : face_texture(body, point, normal);
+    if (!body.skin) return face_texture(body, point, normal);
+    return curved_texture(*body.skin, pose(body), point, normal,
+                          skin_slack * body.skin->bounds().sizes().norm());
   }
   const Ground& touched = ground(other);
-  if (touched.curved) return skin_texture(*touched.curved, {}, point, normal);
+  if (touched.curved)
+    return curved_texture(*touched.curved, {}, point, normal,
+                          touched.curved->surface().max_depth() + touched.curved->texel());
   const surface::Placement& place = touched.surface->placement();
   const Vec2 uv = place.uv(place.to_local(point));
   const bool is_flat = options.representation == Representation::flat;
   return Texture{uv, place.n(), is_flat ? place.n() : touched.surface->world_normal(uv)};
+}
+
+std::optional<World::State::Texture> World::State::own_texture(const Body& body, const Vec3& point,
+                                                               const Vec3& normal) const {
+  if (!body.is_textured()) return std::nullopt;
+  auto own = texture(id(*body.rigid), point, -normal);
+  return own && own->sweep ? own : std::nullopt;
 }
 
 Vec3 World::State::velocity_of(BodyId other, const Vec3& point) const {
@@ -95,33 +107,53 @@ Vec3 World::State::velocity_of(BodyId other, const Vec3& point) const {
   return from_bullet(rigid.getVelocityInLocalPoint(to_bullet(point) - rigid.getCenterOfMassPosition()));
 }
 
-ContactEvent World::State::event(const Body& body, const Touch& touch, const Texture& texture,
-                                 const Vec3& impulse, double dt) const {
-  const Vec3& point = touch.point;
-  const Vec3 velocity = from_bullet(body.rigid->getLinearVelocity()) - velocity_of(touch.other, point);
+// Round bodies carry the contact between them along, each the more the rounder it is; else it goes with
+// `body`.
+Vec3 World::State::contact_velocity(const Body& body, BodyId other) const {
+  const Vec3 own = from_bullet(body.rigid->getLinearVelocity());
+  if (is_surface(other)) return own;
+  const Body& met = bodies[other - 1];
+  if (met.bend == 0) return own;
+  const Vec3 its = from_bullet(met.rigid->getLinearVelocity());
+  return (body.bend * own + met.bend * its) / (body.bend + met.bend);
+}
+
+const Pose& World::State::told_pose(Body& body) {
+  if (!body.drawn) body.drawn = drawn_pose(body);
+  return *body.drawn;
+}
+
+Vec3 World::State::told_point(Body& body, BodyId other, const Vec3& point) {
+  if (!drawn) return point;
+  return other == floor_body ? drawn->point(point) : told_pose(body).to_world(pose(body).to_local(point));
+}
+
+ContactEvent World::State::event(Body& body, const Touch& touch, const Texture& texture, const Vec3& impulse,
+                                 double dt) {
+  const Vec3 carried = contact_velocity(body, touch.other);
+  const Vec3 velocity = carried - velocity_of(touch.other, touch.point);
+  const Vec3 arm = touch.point - from_bullet(body.rigid->getCenterOfMassPosition());
+  const Vec3 turning = from_bullet(body.rigid->getAngularVelocity()).cross(arm) +
+                       (from_bullet(body.rigid->getLinearVelocity()) - carried);
   ContactEvent event;
   event.time = time;
   event.body = id(*body.rigid);
   event.other = touch.other;
   event.phase = touch.before ? ContactPhase::persist : ContactPhase::begin;
-  event.point = drawn && touch.other == floor_body ? drawn->point(point) : point;
+  event.point = told_point(body, touch.other, touch.point);
   event.uv = texture.uv;
   event.texture = texture.index;
   event.n_g = texture.n_g;
   event.n_s = texture.n_s;
   event.v_t = velocity - velocity.dot(event.n_g) * event.n_g;
-  const Vec3 arm = point - from_bullet(body.rigid->getCenterOfMassPosition());
-  const Vec3 turning = from_bullet(body.rigid->getAngularVelocity()).cross(arm);
   event.spin = turning - turning.dot(event.n_g) * event.n_g;
-  if (texture.sweep) event.sweep = *texture.sweep * event.v_t;
-  // The contact goes along with the body's centre, past what turns there.
-  if (body.is_textured())
-    if (const auto own = this->texture(event.body, point, -touch.normal); own && own->sweep)
-      event.own = TexturePlace{own->index, own->uv, *own->sweep * -event.spin};
+  if (texture.sweep) event.sweep = *texture.sweep * velocity;
+  const auto own = own_texture(body, touch.point, touch.normal);
+  if (own) event.own = TexturePlace{own->index, own->uv, *own->sweep * -turning};
   event.impulse = impulse;
   event.duration = dt;
-  event.body_pose = drawn_pose(body);
-  if (!is_surface(touch.other)) event.other_pose = drawn_pose(bodies[touch.other - 1]);
+  event.body_pose = told_pose(body);
+  if (!is_surface(touch.other)) event.other_pose = told_pose(bodies[touch.other - 1]);
   return event;
 }
 
@@ -168,9 +200,10 @@ void World::State::collect_point(const btManifoldPoint& point, const Vec3& impul
 
 bool World::State::told(BodyId who, BodyId other, const Vec3& on, const Vec3& normal, const Vec3& impulse,
                         double dt) {
-  const std::optional<Texture> met = texture(other, on, normal);
-  if (!met) return false;
   Body& touching = body(who);
+  std::optional<Texture> met = texture(other, on, normal);
+  if (!met && own_texture(touching, on, normal)) met = Texture{Vec2::Zero(), normal, normal, -1};
+  if (!met) return false;
   if (!touching.rigid->isActive()) return true;  // asleep: it is not happening again
   touching.on_ground |= is_surface(other);
   Touch& touch = touching.touch(other);
@@ -185,7 +218,7 @@ bool World::State::told(BodyId who, BodyId other, const Vec3& on, const Vec3& no
 // step, so that nothing lingers; resting pairs push too little to be told.
 void World::State::collect_pair(const Vec3& point, const Vec3& normal, const Vec3& impulse, BodyId a,
                                 BodyId b, double dt) {
-  const Body& moved = body(a);
+  Body& moved = body(a);
   const double mass = 1 / static_cast<double>(moved.rigid->getInvMass());
   if (!moved.rigid->isActive() || impulse.norm() < 2 * mass * options.gravity.norm() * dt) return;
   ContactEvent blow;
@@ -193,14 +226,15 @@ void World::State::collect_pair(const Vec3& point, const Vec3& normal, const Vec
   blow.body = a;
   blow.other = b;
   blow.phase = ContactPhase::begin;
-  blow.point = point;
+  blow.texture = -1;
+  blow.point = told_point(moved, b, point);
   blow.n_g = blow.n_s = normal;
   const Vec3 velocity = from_bullet(moved.rigid->getLinearVelocity());
   blow.v_t = velocity - velocity.dot(normal) * normal;
   blow.impulse = impulse;
   blow.duration = dt;
-  blow.body_pose = drawn_pose(moved);
-  blow.other_pose = drawn_pose(body(b));
+  blow.body_pose = told_pose(moved);
+  blow.other_pose = told_pose(body(b));
   events.push_back(blow);
 }
 
@@ -210,7 +244,7 @@ void World::State::collect_ends(double dt) {
     for (Touch& touch : body.touches) {
       if (touch.before && !touch.now) {
         const auto met = texture(touch.other, touch.point, touch.normal);
-        const Texture last = met.value_or(Texture{Vec2::Zero(), touch.normal, touch.normal});
+        const Texture last = met.value_or(Texture{Vec2::Zero(), touch.normal, touch.normal, -1});
         events.push_back(event(body, touch, last, Vec3::Zero(), dt));
         events.back().phase = ContactPhase::end;
       }
@@ -243,6 +277,7 @@ void World::State::collect(double dt) {
   const auto first = static_cast<std::ptrdiff_t>(events.size());
   for (Body& body : bodies) {
     body.gained.setZero();
+    body.drawn.reset();
     body.on_ground = body.met_another = false;
     for (Touch& touch : body.touches) touch.now = false;
   }

@@ -32,6 +32,8 @@ struct World::State {
     std::unique_ptr<btRigidBody> rigid;
     double reach = 0;            // m, of the shape around its centre of mass
     double texel = 0;            // m, of its own relief; 0: none
+    double bend = 0;             // 1/m, of what rolls: 1 / radius; 0: it slides
+    std::optional<Pose> drawn;   // while events are told
     Vec3 gained = Vec3::Zero();  // N s, reported in this step
     Vec3 velocity_before = Vec3::Zero();
     btTransform last_good = btTransform::getIdentity();
@@ -69,7 +71,7 @@ struct World::State {
   struct Texture {
     Vec2 uv = Vec2::Zero();
     Vec3 n_g, n_s;
-    int index = 0;  // of the body's textures
+    int index = 0;  // of the body's textures; -1: none there
     // Of what moves or is curved: how fast a velocity (world) sweeps along u and v, in metres of the texture.
     std::optional<Eigen::Matrix<double, 2, 3>> sweep{};
   };
@@ -119,14 +121,17 @@ struct World::State {
   void collect(double dt);
   void collect(const btPersistentManifold& manifold, double dt);
   void collect_point(const btManifoldPoint& point, const Vec3& impulse, BodyId a, BodyId b, double dt);
-  // Tells that `who` touches the texture of `other`; false where that has none.
+  // Tells that `who` touches the texture of `other`, or that with its own; false where there is none.
   bool told(BodyId who, BodyId other, const Vec3& on, const Vec3& normal, const Vec3& impulse, double dt);
   void collect_pair(const Vec3& point, const Vec3& normal, const Vec3& impulse, BodyId a, BodyId b,
                     double dt);
   void collect_ends(double dt);
-  ContactEvent event(const Body& body, const Touch& touch, const Texture& texture, const Vec3& impulse,
-                     double dt) const;
+  ContactEvent event(Body& body, const Touch& touch, const Texture& texture, const Vec3& impulse, double dt);
   Vec3 velocity_of(BodyId other, const Vec3& point) const;
+  Vec3 contact_velocity(const Body& body, BodyId other) const;
+  // drawn_pose(), and where one of its points is drawn, once looked up for all events of a step.
+  const Pose& told_pose(Body& body);
+  Vec3 told_point(Body& body, BodyId other, const Vec3& point);
   bool is_bare() const { return options.representation != Representation::relief; }
   const Ground& ground(BodyId id) const {
     return id == floor_body ? *floor : *grounds[id - first_surface_body];
@@ -134,8 +139,10 @@ struct World::State {
   // Nothing where what is touched has no texture.
   std::optional<Texture> texture(BodyId other, const Vec3& point, const Vec3& normal) const;
   std::optional<Texture> face_texture(const Body& body, const Vec3& point, const Vec3& normal) const;
-  Texture skin_texture(const surface::ReliefMesh& skin, const Pose& at, const Vec3& point,
-                       const Vec3& normal) const;
+  // Of the body itself, where it is touched against `normal`, if the contact sweeps over it.
+  std::optional<Texture> own_texture(const Body& body, const Vec3& point, const Vec3& normal) const;
+  Texture curved_texture(const surface::ReliefMesh& relief, const Pose& at, const Vec3& point,
+                         const Vec3& normal, double reach) const;
   void audit(double dt);
 };
 

@@ -105,7 +105,8 @@ void compare_silence(const Recording& recording, Agreement& a) {
   const double duration = shown_duration(recording), ring = longest_ring(recording);
   std::vector<TimeSpan> busy;
   for (const ContactEvent& event : recording.events) {
-    const bool sounds = event.phase == ContactPhase::begin || event.v_t.norm() > Agreement::still_speed;
+    const bool sounds = event.phase == ContactPhase::begin || event.v_t.norm() > Agreement::still_speed ||
+                        event.spin.norm() > Agreement::still_speed;
     if (sounds && std::isfinite(event.time) && std::isfinite(event.duration))
       busy.push_back({event.time - event.duration, event.time + ring});
   }

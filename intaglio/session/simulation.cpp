@@ -170,6 +170,14 @@ void Simulation::record(const ContactEvent& event) {
   event_hash_.add(std::isnan(event.touch_age) ? -1 : event.touch_age);
   event_hash_.add(event.body);
   event_hash_.add(static_cast<std::uint8_t>(event.phase));
+  event_hash_.add(event.other);
+  event_hash_.add(event.texture);
+  const Vec2 none = Vec2::Zero();
+  for (const Vec2& v : {event.uv, event.sweep.value_or(none), event.own ? event.own->uv : none,
+                        event.own ? event.own->sweep : none}) {
+    event_hash_.add(v.x());
+    event_hash_.add(v.y());
+  }
   for (const Vec3* v : {&event.point, &event.n_s, &event.v_t, &event.impulse}) {
     for (int k = 0; k < 3; ++k) event_hash_.add((*v)[k]);
   }

@@ -10,6 +10,7 @@ namespace intaglio::sound {
 namespace {
 
 constexpr double longest_jump = 0.25;  // of the texture, off the way that its speed foretells
+constexpr double most_turns = 1000;    // round it, in one step
 
 double inverse_mass(const SoundBody& body) {
   return body.is_fixed ? 0 : 1 / body.mass;
@@ -152,26 +153,32 @@ void ContactPair::find_radius() {
 }
 
 // The contact goes on to `to` when its speed led it near there: not to another texture, nor far off. Across
-// the seam of a texture that goes round its body uv runs on.
-void ContactPair::follow(Side& side, const ReliefPlace& to) {
+// the seam of a texture that goes round its body uv runs on, where the contact did not leap in the world.
+void ContactPair::follow(Side& side, const ReliefPlace& to, double leap) {
   const surface::Surface* const surface = to.surface;
   side.follows_path = is_touching_ && !step_.has_begin && surface && surface == side.to.surface;
   side.from = side.to.uv;
   side.to = to;
   if (!side.follows_path) return;
-  Vec2 jump = to.uv - side.from - step_.duration * to.sweep.cwiseQuotient(surface->placement().size());
-  if (surface->edge() == surface::Edge::wrap) {
+  const Vec2 size = surface->placement().size();
+  Vec2 jump = to.uv - side.from - step_.duration * to.sweep.cwiseQuotient(size);
+  if (surface->edge() == surface::Edge::wrap && jump.cwiseAbs().maxCoeff() < most_turns &&
+      leap <= step_.duration * to.sweep.norm() + longest_jump * size.minCoeff()) {
     const Vec2 turns = jump.array().round();
     side.to.uv -= turns;
     jump -= turns;
   }
-  side.follows_path = jump.cwiseAbs().maxCoeff() <= longest_jump;
+  side.follows_path = jump.allFinite() && jump.cwiseAbs().maxCoeff() <= longest_jump;
 }
 
 void ContactPair::follow(const ContactEvent& point) {
+  const double leap = (point.point - place_).norm();
   place_ = point.point;
-  follow(sides_[0], place_on_body(ensemble_.body(body()), point));
-  follow(sides_[1], place_on_other(ensemble_.body(other()), point));
+  follow(sides_[0], place_on_body(ensemble_.body(body()), point), leap);
+  follow(sides_[1], place_on_other(ensemble_.body(other()), point), leap);
+  // On a rectangle that lies still, who tells no sweep may be late: what is far is a leap.
+  Side& still = sides_[1];
+  if (!point.sweep) still.follows_path &= (still.to.uv - still.from).cwiseAbs().maxCoeff() <= longest_jump;
 }
 
 MesoWalk ContactPair::walk(const Side& side, double mass) {

@@ -59,7 +59,8 @@ class ContactPair {
     ReliefPlace to{};
     bool follows_path = false;
   };
-  void follow(Side& side, const ReliefPlace& to);
+  // `leap`: m, how far it went in the world.
+  void follow(Side& side, const ReliefPlace& to, double leap);
   void follow(const ContactEvent& point);
   void find_gains(const Vec3& direction, std::span<float> Side::*gains);
   HalfSine shape_of(double impulse, double start) const;

@@ -177,3 +177,50 @@ TEST_CASE("a block that slides on its own texture stands still on it") {
   }
   CHECK(told > 200);
 }
+
+TEST_CASE(
+    "a ball on a plain body sweeps its own texture whoever was there first, and whether that body moves") {
+  const double radius = 0.05;
+  for (const Motion motion : {Motion::free, Motion::fixed}) {
+    for (const bool ball_first : {true, false}) {
+      CAPTURE(int(motion));
+      CAPTURE(ball_first);
+      World world(
+          tests::made_surface(
+              8, [](Vec2) { return 0.0; }, [](Vec2) { return Vec3::UnitZ(); }, 0, tests::flat_placement(4)),
+          material(1), options(Representation::normal));
+      ShapeBody plank, ball = skinned_ball(radius, 0.002);
+      const Vec3 half(0.6, 0.05, 0.2);
+      plank.shape = contact::Box{half};
+      plank.material = material(1);
+      plank.motion = motion;
+      plank.pose.position = {0.1, half.y() + 1e-5, 0};
+      ball.pose.position.y() += 2 * half.y() + 1e-5;
+      if (ball_first) world.add(ball);
+      world.add(plank);
+      if (!ball_first) world.add(ball);
+      const BodyId round = ball_first ? 1 : 2;
+      Track track{{0.3, 0.2}};
+      for (int k = 0; k < 300; ++k) {
+        world.step();
+        bool is_first = true;
+        for (const ContactEvent& event : world.events()) {
+          if (event.body != round && event.other != round) continue;
+          const bool is_own = event.body == round;
+          if (is_own) {
+            REQUIRE(event.own);
+          } else {
+            REQUIRE(event.sweep);
+            CHECK(event.texture == 0);
+          }
+          if (is_first)
+            track.add(is_own ? event.own->uv : event.uv, is_own ? event.own->sweep : *event.sweep);
+          is_first = false;
+        }
+      }
+      MESSAGE("way " << track.way << " m, worst step " << 1000 * track.worst << " mm");
+      CHECK(track.way == doctest::Approx(0.3 * 300 * step * 0.3 / (2 * pi * radius)).epsilon(0.1));
+      CHECK(track.worst < 0.02 * 0.3 * step);
+    }
+  }
+}
