@@ -101,10 +101,7 @@ int run(const RunArguments& arguments, const Common& common) {
   if (!scene) return report(scene.error());
   options.scene = std::move(*scene);
   options.scene_file = arguments.scene;
-  if (!arguments.surface.empty()) {
-    options.scene.surface.texture = arguments.surface;
-    options.scene.surface.depth.reset();
-  }
+  if (!arguments.surface.empty()) session::put_texture(options.scene.surface, arguments.surface);
   if (!arguments.script.empty()) {
     const auto bytes = read_file(arguments.script, 1u << 20);
     if (!bytes) return report(bytes.error());

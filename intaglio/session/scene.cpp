@@ -19,14 +19,17 @@ void read_surface(TomlReader& r, SurfaceScene& surface) {
            positive("thickness must be greater than 0 m and at most 10 m", 10));
   r.vector("position", surface.position);
   r.vector("rotation", surface.rotation);
-  int representation = static_cast<int>(surface.representation);
-  r.choice("representation", {"flat", "normal", "relief"}, representation);
-  surface.representation = static_cast<Representation>(representation);
   if (r.has("material")) {
     read_material(r, "material", surface.material.emplace(*find_material("brick")));
   } else {
     r.optional_key("material");
   }
+}
+
+void read_representation(TomlReader& r, SurfaceScene& floor) {
+  int representation = static_cast<int>(floor.representation);
+  r.choice("representation", {"flat", "normal", "relief"}, representation);
+  floor.representation = static_cast<Representation>(representation);
 }
 
 void read_physics(TomlReader& r, PhysicsScene& physics) {
@@ -127,6 +130,14 @@ void read_camera(TomlReader& r, CameraScene& camera) {
 
 }  // namespace
 
+void put_texture(SurfaceScene& surface, const std::string& texture) {
+  surface.texture = texture;
+  surface.depth.reset();
+  surface.green.reset();
+  surface.polarity.reset();
+  surface.line.clear();
+}
+
 Result<Scene> parse_scene(std::string_view text, const std::string& name) {
   const auto parsed = parse_toml(text, name);
   if (!parsed) return tl::unexpected(parsed.error());
@@ -138,11 +149,17 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name) {
   r.number("duration", scene.duration, {0.1, 3600, false, "a duration must be between 0.1 s and 3600 s"});
   r.whole("seed", scene.seed, at_least_zero("a seed must be a whole number from 0 on", 1e9));
   read_direction(r, "light", scene.light);
-  r.table("surface", [&](TomlReader& t) { read_surface(t, scene.surface); });
+  r.table("surface", [&](TomlReader& t) {
+    read_surface(t, scene.surface);
+    read_representation(t, scene.surface);
+  });
   r.table("physics", [&](TomlReader& t) { read_physics(t, scene.physics); });
   r.tables("ground", [&](TomlReader& t) {
     read_surface(t, scene.grounds.emplace_back());
     read_base(t, scene.grounds.back());
+    t.optional_key("representation");
+    t.only_keys("a ground: the floor's is that of all", {}, {"representation"});
+    scene.grounds.back().representation = scene.surface.representation;
   });
   r.tables("ball", [&](TomlReader& t) { read_ball(t, scene.surface, scene.balls); });
   r.tables("body", [&](TomlReader& t) { read_body(t, scene.surface, scene.bodies); });

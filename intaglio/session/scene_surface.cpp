@@ -10,6 +10,12 @@ namespace intaglio::session {
 
 namespace {
 
+// An error of a texture or a base, which names files of its own, as one of the scene file's line.
+tl::unexpected<Error> said_at(const std::string& line, const Error& error) {
+  if (line.empty()) return tl::unexpected(error);
+  return fail(line, error.where.empty() ? error.what : error.where + ": " + error.what, error.fix);
+}
+
 // On its rectangle.
 Result<SceneSurface> make_flat(const SurfaceScene& from) {
   SceneSurface out;
@@ -51,15 +57,19 @@ Result<SceneSurface> make_flat(const SurfaceScene& from) {
 }
 
 Result<SceneSurface> make_one(const SurfaceScene& from) {
-  if (!from.base) return make_flat(from);
-  auto base = make_base(*from.base, {from.position, rotation_of(from.rotation)});
-  if (!base) return tl::unexpected(base.error());
   SurfaceScene measured = from;
-  measured.size = texture_size(base->mesh());
+  std::optional<surface::MeshPlacement> base;
+  if (from.base) {
+    auto made = make_base(*from.base, {from.position, rotation_of(from.rotation)});
+    if (!made) return said_at(from.base->line, made.error());
+    measured.size = texture_size(made->mesh());
+    base = std::move(*made);
+  }
   auto out = make_flat(measured);
-  if (!out) return out;
+  if (!out) return said_at(from.line, out.error());
+  if (!base) return out;
   auto curved = surface::ReliefMesh::make(out->surface, std::move(*base));
-  if (!curved) return tl::unexpected(curved.error());
+  if (!curved) return said_at(from.base->line, curved.error());
   out->curved = std::move(*curved);
   return out;
 }
@@ -80,10 +90,10 @@ Result<std::vector<SceneSurface>> make_reliefs(const BodyScene& body) {
   }
   const auto* box = std::get_if<contact::Box>(&body.body.shape);
   if (box != nullptr && depth > 1.8 * box->half.y())
-    return fail(
-        body.reliefs.front().texture,
-        fmt::format("is {:.3g} m deep on a {} that is {:.3g} m thick", depth, body.name, 2 * box->half.y()),
-        "give a lesser depth");
+    return said_at(body.reliefs.front().line, {body.reliefs.front().texture,
+                                               fmt::format("is {:.3g} m deep on a {} that is {:.3g} m thick",
+                                                           depth, body.name, 2 * box->half.y()),
+                                               "give a lesser depth"});
   return out;
 }
 

@@ -105,10 +105,7 @@ Result<void> Stage::drop(const std::filesystem::path& file, const Settings& sett
       return tl::unexpected(scene.error());
   }
   session::Scene scene = base_;
-  scene.surface.texture = file.string();
-  scene.surface.depth.reset();
-  scene.surface.green.reset();
-  scene.surface.polarity.reset();
+  session::put_texture(scene.surface, file.string());
   ask(scene, settings, false);
   return {};
 }
