@@ -63,12 +63,13 @@ void read_path(TomlReader& r, PenScene& pen) {
 }
 
 void read_pen(TomlReader& r, PenScene& pen) {
-  r.number("length", pen.length, positive("a length must be greater than 0 m", 10));
-  r.number("radius", pen.radius, positive("a radius must be greater than 0 m", 1));
+  r.number("length", pen.length, positive("a length must be greater than 0 m and at most 10 m", 10));
+  r.number("radius", pen.radius, positive("a radius must be greater than 0 m and at most 1 m", 1));
   read_material(r, "material", pen.material);
   read_direction(r, "direction", pen.direction);
   r.vector("workspace_origin", pen.workspace.origin);
-  r.number("workspace_scale", pen.workspace.scale, positive("a scale must be greater than 0", 1e3));
+  r.number("workspace_scale", pen.workspace.scale,
+           positive("a scale must be greater than 0 and at most 1000", 1e3));
   int method = static_cast<int>(pen.method);
   r.choice("method", {"potential", "plane"}, method);
   pen.method = static_cast<haptics::HapticMethod>(method);
@@ -86,13 +87,14 @@ void read_pen(TomlReader& r, PenScene& pen) {
   r.number("device_peak_force", pen.device.peak_force,
            positive("a peak force must be greater than 0 N and at most 100 N", 100));
   r.number("device_resolution", pen.device.resolution,
-           positive("a resolution must be greater than 0 m", 0.01));
+           positive("a resolution must be greater than 0 m and at most 0.01 m", 0.01));
   r.vector("device_workspace", pen.device.workspace);
   r.number("ramp_in", pen.limits.ramp_in,
-           {0.5, 60, false, "the ramp-in is a safety limit of at least 0.5 s"});
-  r.number("hand_mass", pen.hand.mass, positive("a mass must be greater than 0 kg", 100));
-  r.number("hand_stiffness", pen.hand.stiffness, positive("stiffness must be greater than 0 N/m", 1e5));
-  r.number("hand_damping", pen.hand.damping, at_least_zero("damping must be at least 0 N s/m", 1e4));
+           {0.5, 60, false, "the ramp-in is a safety limit: between 0.5 s and 60 s"});
+  r.number("hand_mass", pen.hand.mass, positive("a mass must be greater than 0 kg and at most 100 kg", 100));
+  r.number("hand_stiffness", pen.hand.stiffness,
+           positive("stiffness must be greater than 0 N/m and at most 1e5 N/m", 1e5));
+  r.number("hand_damping", pen.hand.damping, at_least_zero("damping must be between 0 and 1e4 N s/m", 1e4));
   read_path(r, pen);
   pen.limits.peak_force = pen.device.peak_force;
 }
@@ -147,7 +149,7 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name) {
   TomlReader r(*parsed, name, "", error);
   r.text("title", scene.title);
   r.number("duration", scene.duration, {0.1, 3600, false, "a duration must be between 0.1 s and 3600 s"});
-  r.whole("seed", scene.seed, at_least_zero("a seed must be a whole number from 0 on", 1e9));
+  r.whole("seed", scene.seed, at_least_zero("a seed must be a whole number from 0 to 1e9", 1e9));
   read_direction(r, "light", scene.light);
   r.table("surface", [&](TomlReader& t) {
     read_surface(t, scene.surface);

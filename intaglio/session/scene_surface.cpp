@@ -1,5 +1,6 @@
 #include "intaglio/session/scene_surface.h"
 
+#include "intaglio/core/nested_error.h"
 #include "intaglio/session/scene_base.h"
 #include "intaglio/surface/builtin/builtin.h"
 #include "intaglio/surface/import.h"
@@ -9,12 +10,6 @@
 namespace intaglio::session {
 
 namespace {
-
-// An error of a texture or a base, which names files of its own, as one of the scene file's line.
-tl::unexpected<Error> said_at(const std::string& line, const Error& error) {
-  if (line.empty()) return tl::unexpected(error);
-  return fail(line, error.where.empty() ? error.what : error.where + ": " + error.what, error.fix);
-}
 
 // On its rectangle.
 Result<SceneSurface> make_flat(const SurfaceScene& from) {
@@ -61,15 +56,15 @@ Result<SceneSurface> make_one(const SurfaceScene& from) {
   std::optional<surface::MeshPlacement> base;
   if (from.base) {
     auto made = make_base(*from.base, {from.position, rotation_of(from.rotation)});
-    if (!made) return said_at(from.base->line, made.error());
+    if (!made) return tl::unexpected(with_where(from.base->line, made.error()));
     measured.size = texture_size(made->mesh());
     base = std::move(*made);
   }
   auto out = make_flat(measured);
-  if (!out) return said_at(from.line, out.error());
+  if (!out) return tl::unexpected(with_where(from.line, out.error()));
   if (!base) return out;
   auto curved = surface::ReliefMesh::make(out->surface, std::move(*base));
-  if (!curved) return said_at(from.base->line, curved.error());
+  if (!curved) return tl::unexpected(with_where(from.base->line, curved.error()));
   out->curved = std::move(*curved);
   return out;
 }
@@ -90,10 +85,11 @@ Result<std::vector<SceneSurface>> make_reliefs(const BodyScene& body) {
   }
   const auto* box = std::get_if<contact::Box>(&body.body.shape);
   if (box != nullptr && depth > 1.8 * box->half.y())
-    return said_at(body.reliefs.front().line, {body.reliefs.front().texture,
-                                               fmt::format("is {:.3g} m deep on a {} that is {:.3g} m thick",
-                                                           depth, body.name, 2 * box->half.y()),
-                                               "give a lesser depth"});
+    return tl::unexpected(with_where(
+        body.reliefs.front().line,
+        {body.reliefs.front().texture,
+         fmt::format("is {:.3g} m deep on a {} that is {:.3g} m thick", depth, body.name, 2 * box->half.y()),
+         "give a lesser depth"}));
   return out;
 }
 
