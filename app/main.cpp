@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "app/verb.h"
 
@@ -33,6 +34,32 @@ std::optional<std::string> unbounded(int argc, char** argv) {
       if (!std::isfinite(std::strtod(part.c_str(), &end)) && end == part.c_str() + part.size())
         return argv[k];
     }
+  }
+  return std::nullopt;
+}
+
+// Where a verb is wanted and another word stands: what would be right.
+std::optional<Error> unknown_verb(const CLI::App& app, int argc, char** argv) {
+  const CLI::App* at = &app;
+  std::string path = "intaglio";
+  for (int k = 1; k < argc; ++k) {
+    const std::string word = argv[k];
+    if (word.starts_with("-")) continue;
+    std::vector<std::string> names;
+    const CLI::App* next = nullptr;
+    for (const CLI::App* verb : at->get_subcommands(nullptr)) {
+      names.push_back(verb->get_name());
+      if (verb->get_name() == word) next = verb;
+    }
+    if (names.empty()) return std::nullopt;
+    if (next == nullptr) {
+      const std::string nearest = nearest_name(word, names);
+      return Error{path, fmt::format("there is no verb \"{}\"", word),
+                   nearest.empty() ? fmt::format("one of: {}", fmt::join(names, ", "))
+                                   : fmt::format("did you mean \"{}\"?", nearest)};
+    }
+    at = next;
+    path += " " + word;
   }
   return std::nullopt;
 }
@@ -67,6 +94,11 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
+    const auto wrong = intaglio::app::unknown_verb(app, argc, argv);
+    if (wrong && error.get_exit_code() != 0) {
+      intaglio::app::report(*wrong);
+      return 2;
+    }
     const int code = app.exit(error);
     return code == 0 ? 0 : 2;
   } catch (const std::exception& error) {
