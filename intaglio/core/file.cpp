@@ -58,6 +58,7 @@ Result<std::vector<std::uint8_t>> read_file(const fs::path& path, std::uintmax_t
   std::error_code error;
   if (!fs::exists(path, error)) return absent(path);
   if (fs::is_directory(path, error)) return fail(path.string(), "is a folder", "name a file");
+  if (!fs::is_regular_file(path, error)) return fail(path.string(), "is a device or pipe", "name a file");
   const std::uintmax_t size = fs::file_size(path, error);
   if (error) return fail(path.string(), "cannot be read: " + error.message());
   if (size > limit)

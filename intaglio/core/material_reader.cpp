@@ -33,11 +33,14 @@ void read_overrides(TomlReader& r, Material& m) {
   r.table("micro", [&](TomlReader& t) { read_micro(t, m.micro); });
   // Outside of it no element is small enough, or nothing rings that can be heard.
   const double speed = std::sqrt(m.youngs_modulus / m.density);
-  if (speed < 1 || speed > 50'000)
+  if (speed < 10 || speed > 50'000)
     r.fail_at(r.has("youngs_modulus") ? "youngs_modulus" : "density",
               fmt::format("sound would be {:.3g} m/s fast in it", speed),
-              "the square root of youngs_modulus over density must be between 1 and 50000 m/s (jelly 3, "
-              "rubber 30, steel 5000, diamond 18000)");
+              "the square root of youngs_modulus over density must be between 10 and 50000 m/s (rubber 30, "
+              "steel 5000, diamond 18000)");
+  if (m.rayleigh_alpha == 0 && m.rayleigh_beta == 0)
+    r.fail_at(r.has("rayleigh_alpha") ? "rayleigh_alpha" : "rayleigh_beta", "it would ring for ever",
+              "rayleigh_alpha or rayleigh_beta must be greater than 0");
 }
 
 }  // namespace

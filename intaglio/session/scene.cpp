@@ -16,7 +16,7 @@ void read_surface(TomlReader& r, SurfaceScene& surface) {
   read_texture(r, surface);
   r.pair("size", surface.size, {0.01, 100, false, "a side must be between 0.01 m and 100 m"});
   r.number("thickness", surface.thickness,
-           positive("thickness must be greater than 0 m and at most 10 m", 10));
+           {0.001, 10, false, "a thickness must be between 0.001 m and 10 m"});
   r.vector("position", surface.position);
   r.vector("rotation", surface.rotation);
   if (r.has("material")) {

@@ -80,6 +80,11 @@ printf 'name = "steel"\ndensity = 1e-3\n' >"$work/light.toml"
 expect "a density no body has" 'light\.toml:2: density is 0.001; .*between 1 and 100000' bake sphere:r=0.05 --material "$work/light.toml"
 printf 'name = "steel"\nyoungs_modulus = 1e4\ndensity = 1e5\n' >"$work/soft.toml"
 expect "a sound too slow" 'soft\.toml:2: sound would be .* m/s' bake sphere:r=0.05 --material "$work/soft.toml"
+printf 'name = "steel"\nrayleigh_alpha = 0\nrayleigh_beta = 0\n' >"$work/undamped.toml"
+expect "a body that rings for ever" 'undamped\.toml:2: it would ring for ever' bake sphere:r=0.05 --material "$work/undamped.toml"
+printf '[[body]]\nsize = [10, 0.001, 10]\nmaterial = { name = "steel", youngs_modulus = 1e6 }\n' >"$work/sheet.toml"
+expect "a sheet too soft" 'sheet\.toml: modal analysis of the box 1 of steel failed: .*stiffer' render "$work/sheet.toml"
+expect "a device for a scene" 'pipe\.wav: is a device or pipe' sh -c "mkfifo '$work/pipe.wav'; '$intaglio' -q render '$work/pipe.wav' -o '$work/out/x.mp4'"
 expect "a size twice" 'r is given twice' bake sphere:r=0.05,r=0.1 --material steel
 expect "a mesher for a shape" 'takes no --mesher' bake sphere:r=0.05 --material steel --mesher netgen
 expect "a scale for a shape" 'takes no --scale' bake sphere:r=0.05 --material steel --scale 2
@@ -106,7 +111,6 @@ strike() { "$intaglio" -q sound strike "$@"; }
 "$intaglio" -q bake box:x=0.2,y=0.02,z=0.1 --material wood --modes 5 --elements 500 -o "$work/box.modes"
 : >"$work/empty.modes"
 head -c 2000 "$work/box.modes" >"$work/cut.modes"
-mkfifo "$work/pipe.wav"
 wav=$work/out/x.wav
 expect "an empty model" 'empty\.modes: is not a modal model' strike "$work/empty.modes" -o "$wav"
 expect "a truncated model" 'cut\.modes: is not a modal model, or is cut off' strike "$work/cut.modes" -o "$wav"

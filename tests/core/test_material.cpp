@@ -44,6 +44,8 @@ TEST_CASE("materials that no body has are refused with the line, the value and t
       {"name = \"steel\"\npoisson_ratio = 0.5\n", "between -0.9 and 0.49"},
       {"name = \"steel\"\ndensity = 1\nyoungs_modulus = 1e13\n",
        "m.toml:3: sound would be 3.16e+06 m/s fast in it; the square root of youngs_modulus over density must be"},
+      {"name = \"steel\"\nyoungs_modulus = 7e5\n", "m.toml:2: sound would be 9.44 m/s fast in it"},
+      {"name = \"steel\"\nrayleigh_alpha = 0\nrayleigh_beta = 0\n", "m.toml:2: it would ring for ever; "},
       {"name = \"steel\"\n\ndensity = 1\n", "m.toml:3: sound would be 4.47e+05 m/s"},
   };
   for (const auto& c : cases) {

@@ -79,6 +79,7 @@ TEST_CASE("values that make no sense are errors with line and what would be righ
       {"[[body]]\nsweep = 20\n", "s.toml:2", "no flipper"},
       {"[[body]]\nkey = \"left\"\nvelocity = [1, 0, 0]\n", "s.toml:3", "flipper"},
       {"[[body]]\nmotion = \"fixed\"\nspin = [1, 0, 0]\n", "s.toml:3", "fixed"},
+      {"[surface]\nthickness = 1e-9\n", "s.toml:2", "between 0.001 m and 10 m"},
       {"seed = 1.5\n", "s.toml:1", "whole"},
       {"[video]\nwidth = 641\n", "s.toml:2", "even"},
       {"[pen]\nlength = 0.1\n", "s.toml:1", "waypoint"},
