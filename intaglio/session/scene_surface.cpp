@@ -1,6 +1,7 @@
 #include "intaglio/session/scene_surface.h"
 
 #include "intaglio/core/nested_error.h"
+#include "intaglio/session/covered_texels.h"
 #include "intaglio/session/scene_base.h"
 #include "intaglio/surface/builtin/builtin.h"
 #include "intaglio/surface/import.h"
@@ -115,6 +116,7 @@ Result<SceneSurface> make_surface(const Scene& scene) {
     if (!made) return made;
     floor->grounds.push_back(std::move(*made));
   }
+  if (auto checked = check_covered_texels(scene, *floor); !checked) return tl::unexpected(checked.error());
   for (const BodyScene& body : scene.bodies) {
     auto made = make_reliefs(body);
     if (!made) return tl::unexpected(made.error());

@@ -1,7 +1,9 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <string>
 
+#include "intaglio/session/covered_texels.h"
 #include "intaglio/session/scene.h"
 #include "intaglio/session/scene_surface.h"
 
@@ -128,6 +130,36 @@ TEST_CASE("textures and bases that cannot be taken are errors of the scene's lin
     CHECK_MESSAGE(error.rfind(std::string(c.line) + ": ", 0) == 0, c.text << " -> " << error);
     CHECK_MESSAGE(has(error, c.part), c.text << " -> " << error);
   }
+}
+
+TEST_CASE(
+    "a texture so fine on its base that contact would not end is refused; a fine one is said to be slow") {
+  const auto made = [](int repeat, double depth) {
+    const auto scene =
+        parse_scene(fmt::format("[[ball]]\nradius = 0.045\n[[ground]]\ntexture = \"pebbles\"\ndepth = {}\n"
+                                "base = {{ radius = 0.3, repeat = [{}, {}] }}\n",
+                                depth, repeat, repeat),
+                    "s.toml");
+    REQUIRE(scene);
+    return make_surface(*scene);
+  };
+  const auto refused = made(64, 0.01);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().message().rfind("s.toml:6: a ball of 0.045 m lies over 4.", 0) == 0);
+  CHECK(has(refused.error().message(), "smaller repeat or depth"));
+  const auto slow = made(64, 0.001), quick = made(4, 0.01);
+  REQUIRE(slow);
+  REQUIRE(quick);
+  const auto says = [](const SceneSurface& surface) {
+    return std::any_of(surface.notes.begin(), surface.notes.end(),
+                       [](const std::string& note) { return has(note, "steps take long"); });
+  };
+  CHECK(says(*slow));
+  CHECK_FALSE(says(*quick));
+  // As many texels as lie in the cap, whichever way they are cut up.
+  CHECK(covered_texels(slow->grounds[0], 0.09) ==
+        doctest::Approx(2 * covered_texels(slow->grounds[0], 0.045)));
+  CHECK(covered_texels(*slow, 0.045) == 0);
 }
 
 TEST_CASE("another texture takes nothing over of what was said of the scene's own") {
