@@ -1,6 +1,7 @@
 #include "intaglio/session/scene.h"
 
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "intaglio/core/file.h"
@@ -57,6 +58,14 @@ void read_path(TomlReader& r, PenScene& pen) {
       r.fail_at("path", fmt::format("pen.path goes back in time at {} s", row[0]),
                 "times must increase from row to row");
     }
+    if (row[0] < 0 || row[0] > 1e5)
+      r.fail_at("path", fmt::format("pen.path is somewhere at {:g} s", row[0]),
+                "times must be between 0 s and 100000 s");
+    for (std::size_t k = 1; k < 4; ++k) {
+      if (std::abs(row[k]) > 1e4)
+        r.fail_at("path", fmt::format("pen.path goes to {:g} m", row[k]),
+                  "each number must be between -10000 and 10000");
+    }
     pen.path.push_back({row[0], {row[1], row[2], row[3]}});
   }
   if (pen.path.empty()) r.fail_at("path", "pen.path has no waypoint", "give rows of [time s, x m, y m, z m]");
@@ -89,6 +98,9 @@ void read_pen(TomlReader& r, PenScene& pen) {
   r.number("device_resolution", pen.device.resolution,
            positive("a resolution must be greater than 0 m and at most 0.01 m", 0.01));
   r.vector("device_workspace", pen.device.workspace);
+  if (pen.device.workspace.minCoeff() < 0.001 || pen.device.workspace.maxCoeff() > 10)
+    r.fail_at("device_workspace", "a side of the device's workspace is out of range",
+              "sides must be between 0.001 m and 10 m");
   r.number("ramp_in", pen.limits.ramp_in,
            {0.5, 60, false, "the ramp-in is a safety limit: between 0.5 s and 60 s"});
   r.number("hand_mass", pen.hand.mass, positive("a mass must be greater than 0 kg and at most 100 kg", 100));
