@@ -38,6 +38,16 @@ std::optional<std::string> unbounded(int argc, char** argv) {
   return std::nullopt;
 }
 
+// Which argument, counted from 1, says nothing: "" or --output=, as a shell's variable that is not set leaves
+// them; 0: none. Taken for a folder it would be the working folder.
+int empty_argument(int argc, char** argv) {
+  for (int k = 1; k < argc; ++k) {
+    const std::string_view word = argv[k];
+    if (word.empty() || (word.starts_with("--") && word.ends_with("="))) return k;
+  }
+  return 0;
+}
+
 // Where a verb is wanted and another word stands: what would be right.
 std::optional<Error> unknown_verb(const CLI::App& app, int argc, char** argv) {
   const CLI::App* at = &app;
@@ -86,6 +96,10 @@ int main(int argc, char** argv) {
   intaglio::app::add_replay(app, common);
   intaglio::app::add_bake(app, common);
   intaglio::app::add_sound(app, common);
+  if (const int empty = intaglio::app::empty_argument(argc, argv); empty > 0) {
+    fmt::print(stderr, "intaglio: argument {} is empty; leave it out, or give what it stands for\n", empty);
+    return 2;
+  }
   if (const auto argument = intaglio::app::unbounded(argc, argv)) {
     fmt::print(stderr, "intaglio: {}: a number must be finite (of a file of that name, say ./{})\n",
                *argument, *argument);

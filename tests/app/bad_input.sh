@@ -115,7 +115,9 @@ wav=$work/out/x.wav
 expect "an empty model" 'empty\.modes: is not a modal model' strike "$work/empty.modes" -o "$wav"
 expect "a truncated model" 'cut\.modes: is not a modal model, or is cut off' strike "$work/cut.modes" -o "$wav"
 expect "a folder for a model" 'nothing: is a folder' strike "$work/nothing" -o "$wav"
-expect "a model without name" '"": no such file' strike "" -o "$wav"
+expect "a model without name" 'argument 4 is empty' strike "" -o "$wav"
+expect "a folder without name" 'argument 4 is empty' "$intaglio" import brick -o ""
+expect "an option without value" 'argument 5 is empty' "$intaglio" -q sound page brick --output=
 expect "a model that is none" 'box\.obj: no such file' strike "$work/box.obj" -o "$wav"
 expect "a sound named otherwise" 'x\.mp3: is not named as a WAV file; end the name with \.wav' strike "$work/box.modes" -o "$work/out/x.mp3"
 for verb in scrape roll drop; do
