@@ -59,6 +59,21 @@ std::size_t surface_nodes(const sound::TetMesh& mesh) {
   return nodes.size();
 }
 
+// A body that somebody could hear, `side` m along its longest axis.
+Result<void> check_size(double side, const BakeArguments& options) {
+  constexpr double smallest = 1e-4, largest = 1000;  // m
+  if (!(side >= smallest && side <= largest))
+    return fail(
+        options.mesh, fmt::format("is {:.3g} m long", side),
+        fmt::format("a body must be between {} m and {} m; --scale gives the metres in a unit of the file",
+                    smallest, largest));
+  if (options.thickness > side)
+    return fail(options.mesh,
+                fmt::format("is {:.3g} m long, and a shell of {:g} m is thicker", side, options.thickness),
+                "give a lesser --thickness, in metres");
+  return {};
+}
+
 Result<Body> make_elements(const BakeArguments& options, const Material& material,
                            const sound::ModeOptions& modes) {
   const auto size_for = [&](double volume, double area) {
@@ -78,7 +93,9 @@ Result<Body> make_elements(const BakeArguments& options, const Material& materia
   std::erase_if(mesh->notes, [](const std::string& note) {
     return note.find("normals were missing") != std::string::npos;
   });
-  for (Vec3& position : mesh->positions) position *= options.scale;
+  Eigen::AlignedBox3d bounds;
+  for (Vec3& position : mesh->positions) bounds.extend(position *= options.scale);
+  if (auto sane = check_size(bounds.sizes().maxCoeff(), options); !sane) return tl::unexpected(sane.error());
   const auto surface = sound::body_surface(*mesh, options.mesh, options.thickness);
   if (!surface) return tl::unexpected(surface.error());
   if (options.shell == "springs") return Body{{{}, 0, surface->notes}, surface->points.size(), *surface};
@@ -158,9 +175,15 @@ int run(const BakeArguments& options, const Common& common) {
   const Stopwatch all;
   const auto material = named_material(options.material);
   if (!material) return report(material.error());
+  if (auto named = check_named(options.output, ".modes", "a model"); !named) return report(named.error());
   if (auto writable = check_writable(options.output); !writable) return report(writable.error());
   if (options.thickness > 0 && sound::is_solid_shape(options.mesh))
     return report({options.mesh, "is a solid shape and takes no --thickness", "a mesh of a surface does"});
+  if (options.mesher != "auto" && sound::is_solid_shape(options.mesh))
+    return report({options.mesh, "is a built-in shape, of structured elements, and takes no --mesher",
+                   "a mesh of a file does"});
+  if (options.scale != 1 && sound::is_solid_shape(options.mesh))
+    return report({options.mesh, "is a built-in shape in metres and takes no --scale", "give its sizes"});
   if (options.shell == "springs" && !(options.thickness > 0))
     return report({options.mesh, "a spring-mass shell has a thickness", "give --thickness METRES"});
   const auto source = source_hash(options, *material);
@@ -215,10 +238,12 @@ void add_bake(CLI::App& app, Common& common) {
   verb->add_option("--material", options->material, "A built-in name, or a TOML file (docs/bake.md)")
       ->required();
   verb->add_option("-o,--output", options->output, "The model; with --all a folder")->required();
-  verb->add_option("--all", options->all, "Every mesh in this folder and below; skips what is done")
-      ->excludes("MESH");
+  auto* all =
+      verb->add_option("--all", options->all, "Every mesh in this folder and below; skips what is done")
+          ->excludes("MESH");
   verb->add_option("-j,--jobs", options->jobs, "Bakes at once, with --all")
       ->check(CLI::Range(1, 1000))
+      ->needs(all)
       ->capture_default_str();
   verb->add_option("--modes", options->modes, "At most so many")
       ->check(CLI::Range(1, 1000))

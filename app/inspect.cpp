@@ -62,6 +62,7 @@ void print_summary(const surface::Inspection& i) {
 
 int run_inspect(const Options& options, const Common& common) {
   if (!options.html.empty()) {
+    if (auto named = check_named(options.html, ".html", "a page"); !named) return report(named.error());
     if (auto writable = check_writable(options.html); !writable) return report(writable.error());
   }
   const auto inspection = surface::inspect(options.path, import_options(options));

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "app/verb.h"
 
@@ -37,6 +38,42 @@ std::optional<std::string> unbounded(int argc, char** argv) {
   return std::nullopt;
 }
 
+// Which argument, counted from 1, says nothing: "" or --output=, as a shell's variable that is not set leaves
+// them; 0: none. Taken for a folder it would be the working folder.
+int empty_argument(int argc, char** argv) {
+  for (int k = 1; k < argc; ++k) {
+    const std::string_view word = argv[k];
+    if (word.empty() || (word.starts_with("--") && word.ends_with("="))) return k;
+  }
+  return 0;
+}
+
+// Where a verb is wanted and another word stands: what would be right.
+std::optional<Error> unknown_verb(const CLI::App& app, int argc, char** argv) {
+  const CLI::App* at = &app;
+  std::string path = "intaglio";
+  for (int k = 1; k < argc; ++k) {
+    const std::string word = argv[k];
+    if (word.starts_with("-")) continue;
+    std::vector<std::string> names;
+    const CLI::App* next = nullptr;
+    for (const CLI::App* verb : at->get_subcommands(nullptr)) {
+      names.push_back(verb->get_name());
+      if (verb->get_name() == word) next = verb;
+    }
+    if (names.empty()) return std::nullopt;
+    if (next == nullptr) {
+      const std::string nearest = nearest_name(word, names);
+      return Error{path, fmt::format("there is no verb \"{}\"", word),
+                   nearest.empty() ? fmt::format("one of: {}", fmt::join(names, ", "))
+                                   : fmt::format("did you mean \"{}\"?", nearest)};
+    }
+    at = next;
+    path += " " + word;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 }  // namespace intaglio::app
@@ -59,6 +96,10 @@ int main(int argc, char** argv) {
   intaglio::app::add_replay(app, common);
   intaglio::app::add_bake(app, common);
   intaglio::app::add_sound(app, common);
+  if (const int empty = intaglio::app::empty_argument(argc, argv); empty > 0) {
+    fmt::print(stderr, "intaglio: argument {} is empty; leave it out, or give what it stands for\n", empty);
+    return 2;
+  }
   if (const auto argument = intaglio::app::unbounded(argc, argv)) {
     fmt::print(stderr, "intaglio: {}: a number must be finite (of a file of that name, say ./{})\n",
                *argument, *argument);
@@ -67,6 +108,11 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
+    const auto wrong = intaglio::app::unknown_verb(app, argc, argv);
+    if (wrong && error.get_exit_code() != 0) {
+      intaglio::app::report(*wrong);
+      return 2;
+    }
     const int code = app.exit(error);
     return code == 0 ? 0 : 2;
   } catch (const std::exception& error) {

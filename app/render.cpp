@@ -26,10 +26,7 @@ struct Options {
 
 // The command line's wishes on top of the scene file's.
 void override_scene(const Options& options, session::Scene& scene) {
-  if (!options.texture.empty()) {
-    scene.surface.texture = options.texture;
-    scene.surface.depth.reset();  // the scene's was for its own texture
-  }
+  if (!options.texture.empty()) session::put_texture(scene.surface, options.texture);
   if (options.representation == "flat") scene.surface.representation = Representation::flat;
   if (options.representation == "normal") scene.surface.representation = Representation::normal;
   if (options.representation == "relief") scene.surface.representation = Representation::relief;

@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -42,6 +43,17 @@ radius = 0.03
 material = "glass"
 position = [0.1, 0.2, 0.2]
 )";
+
+// Whether a folder is there or can be made; nothing is made before something is recorded.
+Result<void> check_folder(const std::string& folder) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  fs::path at = fs::absolute(folder, error);
+  while (!fs::exists(at, error) && at.has_relative_path()) at = at.parent_path();
+  if (fs::is_directory(at, error)) return {};
+  return fail(folder, at == fs::absolute(folder, error) ? "is a file" : "would be below a file",
+              "--record-to takes a folder");
+}
 
 void print_json(const window::RunReport& r) {
   const nlohmann::json json = {
@@ -101,10 +113,7 @@ int run(const RunArguments& arguments, const Common& common) {
   if (!scene) return report(scene.error());
   options.scene = std::move(*scene);
   options.scene_file = arguments.scene;
-  if (!arguments.surface.empty()) {
-    options.scene.surface.texture = arguments.surface;
-    options.scene.surface.depth.reset();
-  }
+  if (!arguments.surface.empty()) session::put_texture(options.scene.surface, arguments.surface);
   if (!arguments.script.empty()) {
     const auto bytes = read_file(arguments.script, 1u << 20);
     if (!bytes) return report(bytes.error());
@@ -112,6 +121,9 @@ int run(const RunArguments& arguments, const Common& common) {
         window::parse_script({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, arguments.script);
     if (!events) return report(events.error());
     options.script = std::move(*events);
+  }
+  if (!arguments.record_to.empty()) {
+    if (auto checked = check_folder(arguments.record_to); !checked) return report(checked.error());
   }
   options.device = arguments.device;
   options.audio = arguments.audio;

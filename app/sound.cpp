@@ -5,6 +5,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <thread>
@@ -60,14 +61,20 @@ Result<sound::Strike> read_strike(const StrikeOptions& options, const sound::Mod
     strike.at = model.points[std::size_t(*options.vertex)];
   }
   if (!options.direction.empty()) strike.direction = vec(options.direction);
-  if (strike.direction && !(strike.direction->norm() > 0))
-    return fail("--direction", "has no length", "give three numbers that are not all 0");
+  if (strike.direction && !(strike.direction->norm() > 1e-9 && strike.direction->norm() < 1e9))
+    return fail("--direction", "has no length, or none that can be told",
+                "give three numbers that are not all 0, the largest about 1");
   strike.impulse = options.impulse;
   if (!strike.impulse) {
     const double unit = sound::strike_event(model, strike, 0).impulse.norm();
     strike.impulse = unit * options.speed;
   }
   return strike;
+}
+
+Result<void> check_wav(const std::string& output) {
+  auto named = check_named(output, ".wav", "a WAV file");
+  return named ? check_writable(output) : named;
 }
 
 // The whole of it, Pa at 1 m.
@@ -115,6 +122,9 @@ int play_live(const std::shared_ptr<const sound::ModalModel>& model, const sound
 int run_strike(const StrikeOptions& options, const Common& common) {
   if (options.output.empty() && !options.live)
     return report({"intaglio sound strike", "nowhere to play to", "give -o FILE.wav, or --live"});
+  if (!options.output.empty()) {
+    if (auto writable = check_wav(options.output); !writable) return report(writable.error());
+  }
   auto read = sound::read_model(options.model);
   if (!read) return report(read.error());
   const auto model = std::make_shared<const sound::ModalModel>(
@@ -148,7 +158,7 @@ int run_strike(const StrikeOptions& options, const Common& common) {
 
 int run_touch(session::Touch touch, const std::string& texture, const std::string& output, double gain_db,
               const Common& common) {
-  if (auto writable = check_writable(output); !writable) return report(writable.error());
+  if (auto writable = check_wav(output); !writable) return report(writable.error());
   session::Scene scene = session::touch_scene(touch, texture);
   scene.sound.gain_db = gain_db;
   const auto recording = session::play(scene);
@@ -184,16 +194,18 @@ void add_strike(CLI::App& sound, Common& common) {
   auto o = std::make_shared<StrikeOptions>();
   verb->add_option("MODEL", o->model, "What `intaglio bake` wrote")->required();
   verb->add_option("-o,--output", o->output, "A WAV file: one channel, 24 bits, full scale 20 Pa at 1 m");
-  verb->add_flag("--live", o->live, "Play it");
+  auto* live = verb->add_flag("--live", o->live, "Play it");
   verb->add_option("--device", o->device, "A part of a name that `intaglio sound devices` lists, or null")
+      ->needs(live)
       ->capture_default_str();
   auto* at = verb->add_option("--at", o->at,
                               "Where: x,y,z in the model's metres; the nearest point of its surface "
                               "is taken. Default: where many modes answer")
                  ->delimiter(',')
-                 ->expected(3);
+                 ->expected(3)
+                 ->check(CLI::Range(-1e4, 1e4));
   verb->add_option("--vertex", o->vertex, "Where: a vertex of the model's surface, from 0")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Range(0, std::numeric_limits<int>::max()))
       ->excludes(at);
   verb->add_option("--direction", o->direction, "Of the push: x,y,z. Default: straight into the surface")
       ->delimiter(',')

@@ -1,5 +1,7 @@
 #include "intaglio/core/file.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -24,9 +26,20 @@ tl::unexpected<Error> absent(const fs::path& path) {
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   for (const auto& entry : fs::directory_iterator(folder, ignored))
     names.push_back(entry.path().filename().string());
-  const std::string nearest = nearest_name(path.filename().string(), names);
-  return fail(path.string(), "no such file",
+  const std::string nearest = path.has_filename() ? nearest_name(path.filename().string(), names) : "";
+  return fail(path.empty() ? "\"\"" : path.string(), "no such file",
               nearest.empty() ? "" : "did you mean " + (folder / nearest).string() + "?");
+}
+
+// What stands there is renamed over: that must be a file, never a device such as /dev/null.
+Result<void> check_target(const fs::path& path) {
+  std::error_code error;
+  if (!path.has_filename())
+    return fail(path.empty() ? "\"\"" : path.string(), "is no name of a file", "name a file");
+  if (fs::is_directory(path, error)) return fail(path.string(), "is a folder", "name a file");
+  if (fs::exists(path, error) && !fs::is_regular_file(path, error))
+    return fail(path.string(), "is a device or pipe, not a file", "name a file");
+  return {};
 }
 
 Result<void> make_folder(const fs::path& path) {
@@ -45,6 +58,7 @@ Result<std::vector<std::uint8_t>> read_file(const fs::path& path, std::uintmax_t
   std::error_code error;
   if (!fs::exists(path, error)) return absent(path);
   if (fs::is_directory(path, error)) return fail(path.string(), "is a folder", "name a file");
+  if (!fs::is_regular_file(path, error)) return fail(path.string(), "is a device or pipe", "name a file");
   const std::uintmax_t size = fs::file_size(path, error);
   if (error) return fail(path.string(), "cannot be read: " + error.message());
   if (size > limit)
@@ -64,9 +78,9 @@ fs::path temporary_for(const fs::path& path) {
 }
 
 Result<void> check_writable(const fs::path& path) {
+  if (auto target = check_target(path); !target) return target;
   if (auto made = make_folder(path); !made) return made;
   std::error_code ignored;
-  if (fs::is_directory(path, ignored)) return fail(path.string(), "is a folder", "name a file");
   const fs::path temporary = temporary_for(path);
   const bool writable = static_cast<bool>(open_file(temporary, "wb"));
   const std::string reason = writable ? "" : std::strerror(errno);
@@ -75,7 +89,15 @@ Result<void> check_writable(const fs::path& path) {
   return {};
 }
 
+Result<void> check_named(const fs::path& path, const std::string& extension, const std::string& kind) {
+  std::string own = path.extension().string();
+  std::transform(own.begin(), own.end(), own.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (own == extension) return {};
+  return fail(path.string(), "is not named as " + kind, "end the name with " + extension);
+}
+
 Result<void> write_file(const fs::path& path, std::span<const std::uint8_t> bytes) {
+  if (auto target = check_target(path); !target) return target;
   if (auto made = make_folder(path); !made) return made;
   const fs::path temporary = temporary_for(path);
   File file = open_file(temporary, "wb");

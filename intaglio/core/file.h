@@ -18,7 +18,8 @@ namespace intaglio {
 Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path,
                                             std::uintmax_t limit = 1u << 30);
 
-// Writes all of `bytes` or nothing. Creates the folder.
+// Writes all of `bytes` or nothing. Creates the folder. What is there already must be a file: a device or a
+// pipe is refused, since renaming would replace it.
 Result<void> write_file(const std::filesystem::path& path, std::span<const std::uint8_t> bytes);
 Result<void> write_file(const std::filesystem::path& path, std::string_view text);
 
@@ -28,5 +29,10 @@ std::filesystem::path temporary_for(const std::filesystem::path& path);
 // Makes sure, before any long work, that `path` can be written: creates its folder and a temporary, and
 // removes the latter.
 Result<void> check_writable(const std::filesystem::path& path);
+
+// Whether the name tells what is written, `kind` ("a WAV file") with `extension` (".wav"; in any case): what
+// reads it chooses by its name, and a mistyped name must not replace a file of another kind.
+Result<void> check_named(const std::filesystem::path& path, const std::string& extension,
+                         const std::string& kind);
 
 }  // namespace intaglio

@@ -1,5 +1,6 @@
 #include "intaglio/core/material_reader.h"
 
+#include <cmath>
 #include <filesystem>
 
 #include "intaglio/core/file.h"
@@ -7,8 +8,6 @@
 namespace intaglio {
 
 namespace {
-
-constexpr double most = 1e15;
 
 void read_micro(TomlReader& r, MicroRoughness& micro) {
   r.number("rms_height", micro.rms_height, {0, 1e-2, false, "a height must be between 0 m and 0.01 m"});
@@ -19,18 +18,29 @@ void read_micro(TomlReader& r, MicroRoughness& micro) {
 }
 
 void read_overrides(TomlReader& r, Material& m) {
-  r.number("density", m.density, {0, 1e6, true, "a density must be greater than 0 kg/m^3"});
+  r.number("density", m.density,
+           {1, 1e5, false, "a density must be between 1 and 100000 kg/m^3 (aerogel to beyond osmium)"});
   r.number("youngs_modulus", m.youngs_modulus,
-           {0, most, true, "a Young's modulus must be greater than 0 Pa"});
+           {1e3, 1e13, false, "a Young's modulus must be between 1e3 and 1e13 Pa (jelly to beyond diamond)"});
   r.number("poisson_ratio", m.poisson_ratio,
            {-0.9, 0.49, false, "a Poisson ratio must be between -0.9 and 0.49"});
-  r.number("rayleigh_alpha", m.rayleigh_alpha, {0, most, false, "alpha must be at least 0 1/s"});
-  r.number("rayleigh_beta", m.rayleigh_beta, {0, most, false, "beta must be at least 0 s"});
+  r.number("rayleigh_alpha", m.rayleigh_alpha, {0, 1e6, false, "alpha must be between 0 and 1e6 1/s"});
+  r.number("rayleigh_beta", m.rayleigh_beta, {0, 1, false, "beta must be between 0 and 1 s"});
   r.number("friction", m.friction, {0, 10, false, "friction must be between 0 and 10"});
   r.number("restitution", m.restitution, {0, 1, false, "restitution must be between 0 and 1"});
   r.number("rolling_resistance", m.rolling_resistance,
            {0, 1, false, "rolling resistance must be between 0 and 1"});
   r.table("micro", [&](TomlReader& t) { read_micro(t, m.micro); });
+  // Outside of it no element is small enough, or nothing rings that can be heard.
+  const double speed = std::sqrt(m.youngs_modulus / m.density);
+  if (speed < 10 || speed > 50'000)
+    r.fail_at(r.has("youngs_modulus") ? "youngs_modulus" : "density",
+              fmt::format("sound would be {:.3g} m/s fast in it", speed),
+              "the square root of youngs_modulus over density must be between 10 and 50000 m/s (rubber 30, "
+              "steel 5000, diamond 18000)");
+  if (m.rayleigh_alpha == 0 && m.rayleigh_beta == 0)
+    r.fail_at(r.has("rayleigh_alpha") ? "rayleigh_alpha" : "rayleigh_beta", "it would ring for ever",
+              "rayleigh_alpha or rayleigh_beta must be greater than 0");
 }
 
 }  // namespace

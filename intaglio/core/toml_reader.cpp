@@ -1,5 +1,6 @@
 #include "intaglio/core/toml_reader.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace intaglio {
@@ -46,6 +47,23 @@ void TomlReader::set_error(const toml::node& node, std::string what, std::string
 void TomlReader::fail_at(const char* key, std::string what, std::string fix) {
   const toml::node* node = table_.get(key);
   set_error(node != nullptr ? *node : table_, std::move(what), std::move(fix));
+}
+
+std::string TomlReader::line_of(const char* key) const {
+  const toml::node* node = table_.get(key);
+  return where(node != nullptr ? *node : table_);
+}
+
+void TomlReader::only_keys(const std::string& kind, const std::vector<const char*>& uses,
+                           const std::vector<const char*>& all) {
+  for (const char* key : all) {
+    const bool is_used = std::any_of(uses.begin(), uses.end(),
+                                     [&](const char* used) { return std::string_view(used) == key; });
+    if (is_used || !has(key)) continue;
+    return fail_at(key, fmt::format("{} says nothing of {}", full(key), kind),
+                   uses.empty() ? "leave it out"
+                                : fmt::format("leave it out; what is read here: {}", fmt::join(uses, ", ")));
+  }
 }
 
 const toml::node* TomlReader::take(const char* key) {

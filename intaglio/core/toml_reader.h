@@ -62,6 +62,11 @@ class TomlReader {
   bool is_table(const char* key) const { return table_[key].is_table(); }
   // Makes a key known that is read only when it is there.
   void optional_key(const char* key) { known_.insert(key); }
+  // "file:line" of the key, or of the table without it: for what turns out to be wrong only later.
+  std::string line_of(const char* key) const;
+  // Something of this kind has, of all these keys, only those that it uses: another one is an error.
+  void only_keys(const std::string& kind, const std::vector<const char*>& uses,
+                 const std::vector<const char*>& all);
 
   // Reports an error at the key's line (or the table's).
   void fail_at(const char* key, std::string what, std::string fix);

@@ -1,6 +1,7 @@
 #include "intaglio/session/logs.h"
 
 #include <array>
+#include <cmath>
 
 #include "intaglio/haptics/haptic_log.h"
 
@@ -12,17 +13,23 @@ std::string columns(const Vec3& v) {
   return fmt::format("{},{},{}", v.x(), v.y(), v.z());
 }
 
+// Empty where there is no number.
+std::string column(double x) {
+  return std::isfinite(x) ? fmt::format("{}", x) : "";
+}
+
 }  // namespace
 
 std::string events_csv(const Recording& recording) {
   constexpr std::array<const char*, 3> phases{"begin", "persist", "end"};
   std::string out =
       "time_s,body,phase,x_m,y_m,z_m,u,v,n_gx,n_gy,n_gz,n_sx,n_sy,n_sz,v_tx_m_s,v_ty_m_s,v_tz_m_s,impulse_x_"
-      "N_s,impulse_y_N_s,impulse_z_N_s\n";
+      "N_s,impulse_y_N_s,impulse_z_N_s,other,spin_x_m_s,spin_y_m_s,spin_z_m_s,duration_s,touch_age_s\n";
   for (const ContactEvent& e : recording.events) {
-    out += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", e.time, e.body,
+    out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", e.time, e.body,
                        phases[static_cast<std::size_t>(e.phase)], columns(e.point), e.uv.x(), e.uv.y(),
-                       columns(e.n_g), columns(e.n_s), columns(e.v_t), columns(e.impulse));
+                       columns(e.n_g), columns(e.n_s), columns(e.v_t), columns(e.impulse), e.other,
+                       columns(e.spin), e.duration, column(e.touch_age));
   }
   return out;
 }

@@ -1,6 +1,7 @@
 #include "intaglio/session/scene.h"
 
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "intaglio/core/file.h"
@@ -16,17 +17,20 @@ void read_surface(TomlReader& r, SurfaceScene& surface) {
   read_texture(r, surface);
   r.pair("size", surface.size, {0.01, 100, false, "a side must be between 0.01 m and 100 m"});
   r.number("thickness", surface.thickness,
-           positive("thickness must be greater than 0 m and at most 10 m", 10));
+           {0.001, 10, false, "a thickness must be between 0.001 m and 10 m"});
   r.vector("position", surface.position);
   r.vector("rotation", surface.rotation);
-  int representation = static_cast<int>(surface.representation);
-  r.choice("representation", {"flat", "normal", "relief"}, representation);
-  surface.representation = static_cast<Representation>(representation);
   if (r.has("material")) {
     read_material(r, "material", surface.material.emplace(*find_material("brick")));
   } else {
     r.optional_key("material");
   }
+}
+
+void read_representation(TomlReader& r, SurfaceScene& floor) {
+  int representation = static_cast<int>(floor.representation);
+  r.choice("representation", {"flat", "normal", "relief"}, representation);
+  floor.representation = static_cast<Representation>(representation);
 }
 
 void read_physics(TomlReader& r, PhysicsScene& physics) {
@@ -54,18 +58,27 @@ void read_path(TomlReader& r, PenScene& pen) {
       r.fail_at("path", fmt::format("pen.path goes back in time at {} s", row[0]),
                 "times must increase from row to row");
     }
+    if (row[0] < 0 || row[0] > 1e5)
+      r.fail_at("path", fmt::format("pen.path is somewhere at {:g} s", row[0]),
+                "times must be between 0 s and 100000 s");
+    for (std::size_t k = 1; k < 4; ++k) {
+      if (std::abs(row[k]) > 1e4)
+        r.fail_at("path", fmt::format("pen.path goes to {:g} m", row[k]),
+                  "each number must be between -10000 and 10000");
+    }
     pen.path.push_back({row[0], {row[1], row[2], row[3]}});
   }
   if (pen.path.empty()) r.fail_at("path", "pen.path has no waypoint", "give rows of [time s, x m, y m, z m]");
 }
 
 void read_pen(TomlReader& r, PenScene& pen) {
-  r.number("length", pen.length, positive("a length must be greater than 0 m", 10));
-  r.number("radius", pen.radius, positive("a radius must be greater than 0 m", 1));
+  r.number("length", pen.length, positive("a length must be greater than 0 m and at most 10 m", 10));
+  r.number("radius", pen.radius, positive("a radius must be greater than 0 m and at most 1 m", 1));
   read_material(r, "material", pen.material);
   read_direction(r, "direction", pen.direction);
   r.vector("workspace_origin", pen.workspace.origin);
-  r.number("workspace_scale", pen.workspace.scale, positive("a scale must be greater than 0", 1e3));
+  r.number("workspace_scale", pen.workspace.scale,
+           positive("a scale must be greater than 0 and at most 1000", 1e3));
   int method = static_cast<int>(pen.method);
   r.choice("method", {"potential", "plane"}, method);
   pen.method = static_cast<haptics::HapticMethod>(method);
@@ -83,13 +96,17 @@ void read_pen(TomlReader& r, PenScene& pen) {
   r.number("device_peak_force", pen.device.peak_force,
            positive("a peak force must be greater than 0 N and at most 100 N", 100));
   r.number("device_resolution", pen.device.resolution,
-           positive("a resolution must be greater than 0 m", 0.01));
+           positive("a resolution must be greater than 0 m and at most 0.01 m", 0.01));
   r.vector("device_workspace", pen.device.workspace);
+  if (pen.device.workspace.minCoeff() < 0.001 || pen.device.workspace.maxCoeff() > 10)
+    r.fail_at("device_workspace", "a side of the device's workspace is out of range",
+              "sides must be between 0.001 m and 10 m");
   r.number("ramp_in", pen.limits.ramp_in,
-           {0.5, 60, false, "the ramp-in is a safety limit of at least 0.5 s"});
-  r.number("hand_mass", pen.hand.mass, positive("a mass must be greater than 0 kg", 100));
-  r.number("hand_stiffness", pen.hand.stiffness, positive("stiffness must be greater than 0 N/m", 1e5));
-  r.number("hand_damping", pen.hand.damping, at_least_zero("damping must be at least 0 N s/m", 1e4));
+           {0.5, 60, false, "the ramp-in is a safety limit: between 0.5 s and 60 s"});
+  r.number("hand_mass", pen.hand.mass, positive("a mass must be greater than 0 kg and at most 100 kg", 100));
+  r.number("hand_stiffness", pen.hand.stiffness,
+           positive("stiffness must be greater than 0 N/m and at most 1e5 N/m", 1e5));
+  r.number("hand_damping", pen.hand.damping, at_least_zero("damping must be between 0 and 1e4 N s/m", 1e4));
   read_path(r, pen);
   pen.limits.peak_force = pen.device.peak_force;
 }
@@ -127,6 +144,14 @@ void read_camera(TomlReader& r, CameraScene& camera) {
 
 }  // namespace
 
+void put_texture(SurfaceScene& surface, const std::string& texture) {
+  surface.texture = texture;
+  surface.depth.reset();
+  surface.green.reset();
+  surface.polarity.reset();
+  surface.line.clear();
+}
+
 Result<Scene> parse_scene(std::string_view text, const std::string& name) {
   const auto parsed = parse_toml(text, name);
   if (!parsed) return tl::unexpected(parsed.error());
@@ -136,13 +161,19 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name) {
   TomlReader r(*parsed, name, "", error);
   r.text("title", scene.title);
   r.number("duration", scene.duration, {0.1, 3600, false, "a duration must be between 0.1 s and 3600 s"});
-  r.whole("seed", scene.seed, at_least_zero("a seed must be a whole number from 0 on", 1e9));
+  r.whole("seed", scene.seed, at_least_zero("a seed must be a whole number from 0 to 1e9", 1e9));
   read_direction(r, "light", scene.light);
-  r.table("surface", [&](TomlReader& t) { read_surface(t, scene.surface); });
+  r.table("surface", [&](TomlReader& t) {
+    read_surface(t, scene.surface);
+    read_representation(t, scene.surface);
+  });
   r.table("physics", [&](TomlReader& t) { read_physics(t, scene.physics); });
   r.tables("ground", [&](TomlReader& t) {
     read_surface(t, scene.grounds.emplace_back());
     read_base(t, scene.grounds.back());
+    t.optional_key("representation");
+    t.only_keys("a ground: the floor's is that of all", {}, {"representation"});
+    scene.grounds.back().representation = scene.surface.representation;
   });
   r.tables("ball", [&](TomlReader& t) { read_ball(t, scene.surface, scene.balls); });
   r.tables("body", [&](TomlReader& t) { read_body(t, scene.surface, scene.bodies); });

@@ -26,6 +26,7 @@ struct BaseScene {
   double radius = 0.3, height = 0.5;  // m; the height of a cylinder
   std::string file;                   // of a mesh with texture coordinates
   Vec2 repeat = Vec2(1, 1);           // whole numbers
+  std::string line;                   // "file:line" in the scene file, for errors; empty: not from a file
 };
 
 struct SurfaceScene {
@@ -43,6 +44,7 @@ struct SurfaceScene {
   Vec3 rotation = Vec3::Zero();  // degrees about X, then Y, then Z
   Representation representation = Representation::relief;
   std::optional<Material> material;  // unset: the built-in texture's own, else brick
+  std::string line;  // "file:line" of the texture in the scene file, for errors; empty: not from a file
 };
 
 struct PhysicsScene {
@@ -126,6 +128,9 @@ struct Scene {
 
 // About X, then Y, then Z.
 Quat rotation_of(const Vec3& degrees);
+
+// Another texture there: what the scene file said of its own (depth, signs, line) goes with that.
+void put_texture(SurfaceScene& surface, const std::string& texture);
 
 // Reads a scene from text; `name` stands for the file in errors.
 Result<Scene> parse_scene(std::string_view text, const std::string& name);

@@ -1,6 +1,7 @@
 // Balls and bodies of a scene file.
 #include <fmt/format.h>
 
+#include <array>
 #include <numbers>
 
 #include "intaglio/core/material_reader.h"
@@ -48,6 +49,9 @@ contact::Shape read_shape(TomlReader& r, std::string& name) {
   r.text("letter", letter);
   if ((shape == 0 || shape == 4) && (size.minCoeff() < 0.001 || size.maxCoeff() > 10))
     r.fail_at("size", "a side of the body is out of range", "sides must be between 0.001 m and 10 m");
+  static const std::array<std::vector<const char*>, 5> uses = {
+      {{"size"}, {"radius"}, {"radius", "height"}, {"radius", "height"}, {"letter", "size"}}};
+  r.only_keys("a " + name, uses[static_cast<std::size_t>(shape)], {"size", "radius", "height", "letter"});
   switch (shape) {
     case 1:
       return contact::Sphere{radius};
@@ -74,7 +78,10 @@ void read_flipper(TomlReader& r, BodyScene& body) {
   r.vector("pivot", flipper.pivot);
   read_direction(r, "axis", flipper.axis);
   r.number("sweep", flipper.sweep, {-180, 180, false, "a sweep must be between -180 and 180 degrees"});
-  if (!is_flipper) return;
+  if (!is_flipper)
+    return r.only_keys("a body that is no flipper (key = \"left\" or \"right\")", {},
+                       {"pivot", "axis", "sweep"});
+  r.only_keys("a flipper, which its key moves", {"pivot", "axis", "sweep"}, {"motion", "velocity", "spin"});
   flipper.axis.normalize();
   body.flipper = flipper;
   body.body.motion = dynamics::Motion::driven;
@@ -140,6 +147,7 @@ void read_body(TomlReader& r, const SurfaceScene& floor, std::vector<BodyScene>&
   read_colour(r, body.colour);
   r.number("kick", body.kick, at_least_zero("a kick must be between 0 and 20 m/s", 20));
   read_flipper(r, body);
+  if (is.motion == dynamics::Motion::fixed) r.only_keys("a fixed body", {}, {"velocity", "spin"});
   read_reliefs(r, is.shape, body.reliefs);
   is.pose = {frame.to_world(position), frame.orientation * rotation_of(degrees)};
   is.velocity = frame.orientation * velocity;

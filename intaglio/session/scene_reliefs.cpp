@@ -8,6 +8,7 @@ namespace intaglio::session {
 
 void read_texture(TomlReader& r, SurfaceScene& surface) {
   r.text("texture", surface.texture);
+  surface.line = r.line_of("texture");
   if (r.has("green")) {
     int green = 0;
     r.choice("green", {"+Y", "-Y"}, green);
@@ -43,6 +44,20 @@ void read_repeat(TomlReader& r, Vec2& repeat) {
     r.fail_at("repeat", "a texture is repeated in part", "give whole numbers");
 }
 
+void only_keys_of_base(TomlReader& r, BaseScene::Shape shape) {
+  const std::vector<const char*> all = {"radius", "height", "file", "repeat"};
+  switch (shape) {
+    case BaseScene::Shape::bowl:
+      return r.only_keys("a bowl", {"radius", "repeat"}, all);
+    case BaseScene::Shape::cylinder:
+      return r.only_keys("a cylinder", {"radius", "height", "repeat"}, all);
+    case BaseScene::Shape::sphere:
+      return r.only_keys("a sphere", {"radius", "repeat"}, all);
+    case BaseScene::Shape::mesh:
+      return r.only_keys("a mesh", {"file", "repeat"}, all);
+  }
+}
+
 // On the side of a box that its Y leaves by, or, upside down, comes in by.
 SurfaceScene face_of(const contact::Box& box, bool bottom) {
   SurfaceScene face;
@@ -65,9 +80,12 @@ void read_base(TomlReader& r, SurfaceScene& surface) {
     reader.number("height", base.height, {0.01, 100, false, "a height must be between 0.01 m and 100 m"});
     reader.text("file", base.file);
     read_repeat(reader, base.repeat);
+    base.line = reader.line_of("file");
+    only_keys_of_base(reader, base.shape);
     if (base.shape == BaseScene::Shape::mesh && base.file.empty())
       reader.fail_at("shape", "a mesh has no file", "give file = \"bowl.glb\", with texture coordinates");
   });
+  if (surface.base) r.only_keys("a ground with a base", {"base"}, {"size"});
 }
 
 void read_reliefs(TomlReader& r, const contact::Shape& shape, std::vector<SurfaceScene>& reliefs) {
@@ -92,6 +110,7 @@ void read_reliefs(TomlReader& r, const contact::Shape& shape, std::vector<Surfac
     base.radius = ball == nullptr ? 1 : ball->radius;
     read_texture(t, skin);
     read_repeat(t, base.repeat);
+    base.line = t.line_of("texture");
     reliefs.push_back(std::move(skin));
   });
 }

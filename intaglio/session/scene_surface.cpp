@@ -1,5 +1,7 @@
 #include "intaglio/session/scene_surface.h"
 
+#include "intaglio/core/nested_error.h"
+#include "intaglio/session/covered_texels.h"
 #include "intaglio/session/scene_base.h"
 #include "intaglio/surface/builtin/builtin.h"
 #include "intaglio/surface/import.h"
@@ -51,15 +53,19 @@ Result<SceneSurface> make_flat(const SurfaceScene& from) {
 }
 
 Result<SceneSurface> make_one(const SurfaceScene& from) {
-  if (!from.base) return make_flat(from);
-  auto base = make_base(*from.base, {from.position, rotation_of(from.rotation)});
-  if (!base) return tl::unexpected(base.error());
   SurfaceScene measured = from;
-  measured.size = texture_size(base->mesh());
+  std::optional<surface::MeshPlacement> base;
+  if (from.base) {
+    auto made = make_base(*from.base, {from.position, rotation_of(from.rotation)});
+    if (!made) return tl::unexpected(with_where(from.base->line, made.error()));
+    measured.size = texture_size(made->mesh());
+    base = std::move(*made);
+  }
   auto out = make_flat(measured);
-  if (!out) return out;
+  if (!out) return tl::unexpected(with_where(from.line, out.error()));
+  if (!base) return out;
   auto curved = surface::ReliefMesh::make(out->surface, std::move(*base));
-  if (!curved) return tl::unexpected(curved.error());
+  if (!curved) return tl::unexpected(with_where(from.base->line, curved.error()));
   out->curved = std::move(*curved);
   return out;
 }
@@ -80,10 +86,11 @@ Result<std::vector<SceneSurface>> make_reliefs(const BodyScene& body) {
   }
   const auto* box = std::get_if<contact::Box>(&body.body.shape);
   if (box != nullptr && depth > 1.8 * box->half.y())
-    return fail(
-        body.reliefs.front().texture,
-        fmt::format("is {:.3g} m deep on a {} that is {:.3g} m thick", depth, body.name, 2 * box->half.y()),
-        "give a lesser depth");
+    return tl::unexpected(with_where(
+        body.reliefs.front().line,
+        {body.reliefs.front().texture,
+         fmt::format("is {:.3g} m deep on a {} that is {:.3g} m thick", depth, body.name, 2 * box->half.y()),
+         "give a lesser depth"}));
   return out;
 }
 
@@ -109,6 +116,7 @@ Result<SceneSurface> make_surface(const Scene& scene) {
     if (!made) return made;
     floor->grounds.push_back(std::move(*made));
   }
+  if (auto checked = check_covered_texels(scene, *floor); !checked) return tl::unexpected(checked.error());
   for (const BodyScene& body : scene.bodies) {
     auto made = make_reliefs(body);
     if (!made) return tl::unexpected(made.error());

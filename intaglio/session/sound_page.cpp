@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "intaglio/core/file.h"
 #include "intaglio/session/progress.h"
+#include "intaglio/session/report_text.h"
+#include "intaglio/session/scene_surface.h"
 #include "intaglio/session/spectrogram.h"
 #include "intaglio/session/touch_scene.h"
 #include "intaglio/sound/level.h"
@@ -14,6 +17,8 @@
 #include "intaglio/surface/builtin/builtin.h"
 
 namespace intaglio::session {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -46,13 +51,49 @@ Image8 picture(const Spectrogram& spectrogram, double duration) {
   return spectrogram_image(spectrogram, view, picture_width, picture_height);
 }
 
-Result<Sound> make_sound(const SoundPageJob& job, const std::string& texture, Touch touch) {
+// What a texture is called on the page and in names of files: of a path its last part, without extension.
+std::string short_name(const std::string& texture) {
+  fs::path path = fs::path(texture).lexically_normal();
+  if (!path.has_filename()) path = path.parent_path();
+  const std::string stem = path.stem().string();
+  return stem.empty() || stem == "." || stem == ".." ? "texture" : stem;
+}
+
+// Before a sound is made: each texture can be taken, and has a name of its own.
+Result<void> check_textures(const std::vector<std::string>& textures) {
+  std::map<std::string, std::string> named;
+  for (const std::string& texture : textures) {
+    const auto [other, is_new] = named.try_emplace(short_name(texture), texture);
+    if (!is_new)
+      return fail(texture, fmt::format("would have the same files as {}", other->second),
+                  "give each texture once, and a name of its own");
+    if (const auto surface = make_surface(touch_scene(Touch::strike, texture)); !surface)
+      return tl::unexpected(surface.error());
+  }
+  return {};
+}
+
+// What was written goes away again unless keep() is called.
+class Written {
+ public:
+  ~Written() {
+    std::error_code ignored;
+    for (const fs::path& path : paths_) fs::remove(path, ignored);
+  }
+  void add(const fs::path& path) { paths_.push_back(path); }
+  void keep() { paths_.clear(); }
+
+ private:
+  std::vector<fs::path> paths_;
+};
+
+Result<Sound> make_sound(const SoundPageJob& job, const std::string& texture, Touch touch, Written& written) {
   Scene scene = touch_scene(touch, texture);
   scene.sound.gain_db = -headroom_db;
   auto recording = play(scene);
   if (!recording) return tl::unexpected(recording.error());
   std::vector<float>& audio = recording->audio;
-  Sound sound{texture + "_" + touch_name(touch)};
+  Sound sound{short_name(texture) + "_" + touch_name(touch)};
   const double peak = peak_of(audio);
   if (!(peak > 0)) return fail(texture, "makes no sound when it gets a " + touch_name(touch));
   sound.peak_db = 20 * std::log10(peak * sound::full_scale_pascal / quiet_pascal) + headroom_db;
@@ -66,12 +107,13 @@ Result<Sound> make_sound(const SoundPageJob& job, const std::string& texture, To
   sound.centre_hz /= power;
   for (float& x : audio) x *= peak_shown / float(peak);
   const auto path = [&](const char* extension) { return job.folder / (sound.file + extension); };
-  if (auto written = write_file(path(".png"), encode_png(picture(spectrogram, recording->duration)));
-      !written)
-    return tl::unexpected(written.error());
-  if (auto written = sound::write_wav(path(".mp3"), audio, recording->sample_rate, {sound::WavFormat::mp3});
-      !written)
-    return tl::unexpected(written.error());
+  if (auto done = write_file(path(".png"), encode_png(picture(spectrogram, recording->duration))); !done)
+    return tl::unexpected(done.error());
+  written.add(path(".png"));
+  if (auto done = sound::write_wav(path(".mp3"), audio, recording->sample_rate, {sound::WavFormat::mp3});
+      !done)
+    return tl::unexpected(done.error());
+  written.add(path(".mp3"));
   return sound;
 }
 
@@ -80,7 +122,7 @@ std::string cell(const Sound& sound) {
       "<td><img src=\"{0}.png\" width=\"{1}\" height=\"{2}\" alt=\"spectrogram\"><br>"
       "<audio controls preload=\"none\" src=\"{0}.mp3\"></audio><br>"
       "<small>{3:.0f} dB SPL peak, centre {4:.1f} kHz</small></td>\n",
-      sound.file, picture_width, picture_height, sound.peak_db, sound.centre_hz / 1000);
+      escaped(sound.file), picture_width, picture_height, sound.peak_db, sound.centre_hz / 1000);
 }
 
 constexpr const char* head =
@@ -102,23 +144,27 @@ Result<void> make_sound_page(const SoundPageJob& job) {
   if (auto writable = check_writable(job.folder / "index.html"); !writable) return writable;
   std::vector<std::string> textures = job.textures;
   if (textures.empty()) textures = surface::builtin_names();
+  if (auto checked = check_textures(textures); !checked) return checked;
   Progress progress("sound page", job.quiet);
   std::string html = head;
   const double all = double(textures.size() * touches.size());
   double done = 0;
+  Written written;
   for (const std::string& texture : textures) {
-    html += fmt::format("<tr><th>{}</th>\n", texture);
+    html += fmt::format("<tr><th>{}</th>\n", escaped(short_name(texture)));
     for (const Touch touch : touches) {
       progress.update(done++ / all, texture + ", " + touch_name(touch));
-      const auto sound = make_sound(job, texture, touch);
+      const auto sound = make_sound(job, texture, touch, written);
       if (!sound) return tl::unexpected(sound.error());
       html += cell(*sound);
     }
     html += "</tr>\n";
   }
   html += "</table>\n<p>Made by <code>intaglio sound page -o DIR</code>.</p></body></html>\n";
+  if (auto page = write_file(job.folder / "index.html", html); !page) return page;
+  written.keep();
   progress.update(1, "written");
-  return write_file(job.folder / "index.html", html);
+  return {};
 }
 
 }  // namespace intaglio::session

@@ -15,7 +15,8 @@ struct SoundPageJob {
   bool quiet = false;
 };
 
-// Some 2 s of CPU time a sound. Sounds are brought to one peak level; the page names the true one.
+// Every texture is looked at before a sound is made; when something fails nothing is left behind. Some 2 s of
+// CPU time a sound. Sounds are brought to one peak level; the page names the true one.
 Result<void> make_sound_page(const SoundPageJob& job);
 
 }  // namespace intaglio::session

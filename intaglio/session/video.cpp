@@ -72,8 +72,7 @@ Result<std::unique_ptr<VideoWriter>> VideoWriter::create(const fs::path& target,
                                                          int fps) {
   const auto ffmpeg = find_ffmpeg();
   if (!ffmpeg) return tl::unexpected(ffmpeg.error());
-  if (target.extension() != ".mp4")
-    return fail(target.string(), "is not named as an MP4", "end the name with .mp4");
+  if (auto named = check_named(target, ".mp4", "an MP4"); !named) return tl::unexpected(named.error());
   if (auto writable = check_writable(target); !writable) return tl::unexpected(writable.error());
 
   std::unique_ptr<VideoWriter> writer(new VideoWriter);

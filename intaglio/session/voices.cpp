@@ -67,8 +67,10 @@ class Bakery {
     }
     auto baked = sound::bake(mesh(), material, bake_);
     if (!baked) {
-      error_ = Error{scene_,
-                     fmt::format("modal analysis of the {} failed: {}", name, baked.error().message()), ""};
+      error_ = Error{
+          scene_,
+          fmt::format("modal analysis of the {} of {} failed: {}", name, material.name, baked.error().what),
+          "make it stiffer, smaller or thicker: what is soft, large and thin has too many modes"};
       return nullptr;
     }
     ++voices_.baked;

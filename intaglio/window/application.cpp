@@ -53,7 +53,7 @@ class Application {
     return settings_.interface_scale > 0 ? settings_.interface_scale : window_.size().scale;
   }
   void say(const std::string& message);
-  std::optional<Vec2> seen_at(std::size_t body);
+  Result<Vec2> seen_at(std::size_t body);
   void begin_session();
   void draw(double seconds);
   void draw_panels_over(double seconds);
@@ -141,6 +141,7 @@ Result<RunReport> Application::run() {
     // Without a screen to wait for, no more than about 60 a second.
     if (took < 0.015) std::this_thread::sleep_for(std::chrono::duration<double>(0.0155 - took));
   }
+  say(stage_.unanswered(settings_));
   finish_report();
   stop_recording();
   report_.was_baking = stage_.is_baking();
@@ -148,19 +149,23 @@ Result<RunReport> Application::run() {
 }
 
 // Where in the window a body's middle is; 1 is the first ball, 0 the first body that can be dragged there.
-std::optional<Vec2> Application::seen_at(std::size_t body) {
+Result<Vec2> Application::seen_at(std::size_t body) {
   session::LiveSession* session = stage_.session();
-  if (session == nullptr) return std::nullopt;
+  if (session == nullptr) return fail("", "there is no scene yet");
   const WindowSize size = window_.size();
   const Projection projection(hands_.camera().camera(), static_cast<double>(size.width) / size.height);
   const session::LiveState& state = session->state();
+  if (body > state.bodies)
+    return fail("", fmt::format("there is no body {}", body),
+                fmt::format("point takes 0 (the first that is seen) to {}", state.bodies));
   for (std::size_t k = std::max<std::size_t>(body, 1);
        k <= (body == 0 ? state.bodies : std::min(body, state.bodies)); ++k) {
     const auto place = projection.project(state.pose[k - 1].position);
     const bool is_inside = place && (place->array() > 0.02).all() && (place->array() < 0.98).all();
-    if (is_inside && (body != 0 || session->is_free(static_cast<BodyId>(k)))) return place;
+    if (is_inside && (body != 0 || session->is_free(static_cast<BodyId>(k)))) return *place;
   }
-  return std::nullopt;
+  return fail("",
+              body == 0 ? "no body that can be dragged is seen" : fmt::format("body {} is not seen", body));
 }
 
 void Application::begin_session() {

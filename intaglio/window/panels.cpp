@@ -88,8 +88,10 @@ void senses_panel(Settings& settings) {
 void device_field(Settings& settings) {
   static std::array<char, 128> typed{};  // what is being typed is nobody else's business
   if (ImGui::InputTextWithHint("VRPN pen", settings.device.empty() ? "NAME@HOST" : settings.device.c_str(),
-                               typed.data(), typed.size(), ImGuiInputTextFlags_EnterReturnsTrue))
+                               typed.data(), typed.size(), ImGuiInputTextFlags_EnterReturnsTrue)) {
     settings.device = typed.data();
+    settings.device_from.clear();
+  }
 }
 
 void touch_panel(Settings& settings, session::LiveSession& session, const PanelFacts& facts,

@@ -1,30 +1,44 @@
 #include "intaglio/window/script.h"
 
+#include <SDL2/SDL.h>
+
 #include <array>
 #include <cmath>
 #include <sstream>
 
+#include "intaglio/core/file.h"
+#include "intaglio/core/nested_error.h"
+#include "intaglio/haptics/devices/vrpn/address.h"
+#include "intaglio/window/settings.h"
+
 namespace intaglio::window {
 
 namespace {
+
+struct Number {
+  double low, high;
+  bool is_whole;
+};
+constexpr Number any{-1e9, 1e9, false}, part{0, 1, false};  // part: of the window
 
 struct VerbForm {
   const char* name;
   Verb verb;
   const char* arguments;  // t: the rest as text, w: a word, n: a number
   const char* says;
+  std::array<Number, 2> numbers = {any, any};
 };
 constexpr std::array<VerbForm, 14> forms = {{
     {"key", Verb::key, "t", "key NAME"},
     {"hold", Verb::hold, "t", "hold NAME"},
     {"release", Verb::release, "t", "release NAME"},
-    {"move", Verb::move, "nn", "move X Y"},
-    {"point", Verb::point, "n", "point BODY"},
+    {"move", Verb::move, "nn", "move X Y", {part, part}},
+    {"point", Verb::point, "n", "point BODY", {Number{0, 1e6, true}, any}},
     {"down", Verb::down, "w", "down left|middle|right"},
     {"up", Verb::up, "w", "up left|middle|right"},
-    {"wheel", Verb::wheel, "n", "wheel NOTCHES"},
+    {"wheel", Verb::wheel, "n", "wheel NOTCHES", {Number{-100, 100, true}, any}},
     {"drop", Verb::drop, "t", "drop FILE"},
-    {"resize", Verb::resize, "nn", "resize W H"},
+    {"resize", Verb::resize, "nn", "resize W H", {Number{16, 7680, true}, Number{16, 4320, true}}},
     {"set", Verb::set, "wn", "set NAME VALUE"},
     {"device", Verb::device, "w", "device NAME@HOST|mouse"},
     {"screenshot", Verb::screenshot, "t", "screenshot FILE"},
@@ -51,6 +65,43 @@ bool read_arguments(std::istringstream& words, const char* arguments, ScriptEven
   return !(words >> more);
 }
 
+Result<void> check_number(const VerbForm& form, std::size_t k, double value) {
+  const Number& n = form.numbers[k];
+  if (value >= n.low && value <= n.high && (!n.is_whole || value == std::floor(value))) return {};
+  return fail("", fmt::format("\"{}\" has {}", form.name, value),
+              fmt::format("{}: {} from {} to {}", form.says, n.is_whole ? "a whole number" : "a number",
+                          n.low, n.high));
+}
+
+// What can be known of an event's arguments before it is due.
+Result<void> check_event(const VerbForm& form, const ScriptEvent& event) {
+  if (auto x = check_number(form, 0, event.x); !x) return x;
+  if (auto y = check_number(form, 1, event.y); !y) return y;
+  switch (event.verb) {
+    case Verb::key:
+    case Verb::hold:
+    case Verb::release:
+      if (SDL_GetScancodeFromName(event.text.c_str()) != SDL_SCANCODE_UNKNOWN) return {};
+      return fail("", fmt::format("there is no key \"{}\"", event.text),
+                  "SDL's names are wanted: Space, R, F9, Left");
+    case Verb::down:
+    case Verb::up:
+      if (event.text == "left" || event.text == "middle" || event.text == "right") return {};
+      return fail("", fmt::format("there is no mouse button \"{}\"", event.text), "left, middle or right");
+    case Verb::set:
+      return check_setting(event.text, event.x);
+    case Verb::device: {
+      if (event.text == "mouse") return {};
+      const auto address = haptics::vrpn::parse_address(event.text);
+      return address ? Result<void>() : tl::unexpected(address.error());
+    }
+    case Verb::screenshot:
+      return check_named(event.text, ".png", "a picture");
+    default:
+      return {};
+  }
+}
+
 }  // namespace
 
 Result<std::vector<ScriptEvent>> parse_script(std::string_view text, const std::string& name) {
@@ -65,6 +116,7 @@ Result<std::vector<ScriptEvent>> parse_script(std::string_view text, const std::
     const std::string where = fmt::format("{}:{}", name, number);
     ScriptEvent event;
     event.line = number;
+    event.where = where;
     std::istringstream seconds(time);
     if (!(seconds >> event.time) || !seconds.eof() || !(event.time >= 0) || event.time > 1e5)
       return fail(where, fmt::format("\"{}\" is no time", time),
@@ -87,9 +139,8 @@ Result<std::vector<ScriptEvent>> parse_script(std::string_view text, const std::
     if (!read_arguments(words, form->arguments, event))
       return fail(where, fmt::format("\"{}\" has wrong arguments", verb),
                   fmt::format("write: {} {}", time, form->says));
-    if ((event.verb == Verb::down || event.verb == Verb::up) && event.text != "left" &&
-        event.text != "middle" && event.text != "right")
-      return fail(where, fmt::format("there is no mouse button \"{}\"", event.text), "left, middle or right");
+    if (const auto checked = check_event(*form, event); !checked)
+      return tl::unexpected(with_where(where, checked.error()));
     events.push_back(std::move(event));
   }
   return events;

@@ -48,9 +48,12 @@ struct ScriptEvent {
   std::string text;     // a key, a button, a file, a device, or what is set
   double x = 0, y = 0;  // of move, point, wheel, resize, set
   int line = 0;
+  std::string where;  // "file:line", for errors
 };
 
-// `name` stands for the file in errors, which carry the line.
+// `name` stands for the file in errors, which carry the line. What cannot be meant is an error here: keys and
+// settings that there are not, numbers out of range, devices that are no address. Whether a body or a device
+// is there shows only when its line is due.
 Result<std::vector<ScriptEvent>> parse_script(std::string_view text, const std::string& name);
 
 }  // namespace intaglio::window

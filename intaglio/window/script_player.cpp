@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "intaglio/core/nested_error.h"
+
 namespace intaglio::window {
 
 namespace {
@@ -63,10 +65,6 @@ void ScriptPlayer::push(const ScriptEvent& event, SdlWindow& window, Settings& s
     case Verb::hold:
     case Verb::release: {
       const SDL_Scancode code = SDL_GetScancodeFromName(event.text.c_str());
-      if (code == SDL_SCANCODE_UNKNOWN) {
-        messages.push_back(fmt::format("script line {}: there is no key \"{}\"", event.line, event.text));
-        return;
-      }
       if (event.verb != Verb::release) push_key(code, true);
       if (event.verb != Verb::hold) push_key(code, false);
       return;
@@ -74,9 +72,11 @@ void ScriptPlayer::push(const ScriptEvent& event, SdlWindow& window, Settings& s
     case Verb::move:
       return move_mouse({event.x, event.y}, window);
     case Verb::point:
-      if (const auto place = where(static_cast<std::size_t>(std::max(0.0, event.x))))
-        return move_mouse(*place, window);
-      messages.push_back(fmt::format("script line {}: body {} is not seen", event.line, event.x));
+      if (const auto place = where(static_cast<std::size_t>(event.x))) {
+        move_mouse(*place, window);
+      } else {
+        messages.push_back(with_where(event.where, place.error()).message());
+      }
       return;
     case Verb::down:
     case Verb::up: {
@@ -104,11 +104,12 @@ void ScriptPlayer::push(const ScriptEvent& event, SdlWindow& window, Settings& s
       window.resize(static_cast<int>(event.x), static_cast<int>(event.y));
       return;
     case Verb::set:
-      if (!set_by_name(settings, event.text, event.x))
-        messages.push_back(fmt::format("script line {}: there is no setting \"{}\"", event.line, event.text));
+      if (const auto set = set_by_name(settings, event.text, event.x); !set)
+        messages.push_back(with_where(event.where, set.error()).message());
       return;
     case Verb::device:
       settings.device = event.text == "mouse" ? "" : event.text;
+      settings.device_from = event.where;
       return;
     case Verb::screenshot:
       screenshot_ = event.text;

@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,8 +17,8 @@ class ScriptPlayer {
  public:
   explicit ScriptPlayer(std::vector<ScriptEvent> events) : events_(std::move(events)) {}
 
-  // The place of a body in the window, 0..1, if it is seen.
-  using Where = std::function<std::optional<Vec2>(std::size_t body)>;
+  // The place of a body in the window, 0..1; an error when there is none or it is not seen.
+  using Where = std::function<Result<Vec2>(std::size_t body)>;
   // Pushes what is due, one event a call for those that pictures must see one by one. The clock starts with
   // the first call.
   void play(SdlWindow& window, Settings& settings, std::vector<std::string>& messages, const Where& where);

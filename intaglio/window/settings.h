@@ -35,20 +35,26 @@ struct Settings {
   double depth = -1;        // m; below 0: the scene's
   double stiffness = -1;    // N/m; below 0: the scene's
   bool papers_method = false;
-  std::string material;  // of the floor; empty: the scene's
-  std::string device;    // the pen: NAME@HOST[:PORT] of a VRPN device; empty: the mouse
+  std::string material;     // of the floor; empty: the scene's
+  std::string device;       // the pen: NAME@HOST[:PORT] of a VRPN device; empty: the mouse
+  std::string device_from;  // "file:line" of the script that asked for it, for errors; empty: no script
 };
 
 // A named number or switch of the settings.
 struct Setting {
   const char* name;
+  double low, high;
+  bool is_whole;    // 0 and 1 of a switch
+  bool has_scenes;  // -1 stands for what the scene says
   bool is_kept;
   double (*get)(const Settings&);
   void (*set)(Settings&, double);
 };
 const std::vector<Setting>& settings_by_name();
-// False when there is none of that name.
-bool set_by_name(Settings& settings, const std::string& name, double value);
+// Whether there is a setting of that name which can have this value; if not, what would be right.
+Result<void> check_setting(const std::string& name, double value);
+// Sets it, if it can be.
+Result<void> set_by_name(Settings& settings, const std::string& name, double value);
 
 // The folders of the user that XDG names; empty when there is no home.
 std::filesystem::path config_folder();

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "intaglio/core/file.h"
+#include "intaglio/core/nested_error.h"
 #include "intaglio/haptics/devices/vrpn/address.h"
 
 namespace intaglio::window {
@@ -105,10 +106,7 @@ Result<void> Stage::drop(const std::filesystem::path& file, const Settings& sett
       return tl::unexpected(scene.error());
   }
   session::Scene scene = base_;
-  scene.surface.texture = file.string();
-  scene.surface.depth.reset();
-  scene.surface.green.reset();
-  scene.surface.polarity.reset();
+  session::put_texture(scene.surface, file.string());
   ask(scene, settings, false);
   return {};
 }
@@ -130,7 +128,7 @@ std::string Stage::keep_pen(const Settings& settings, double now) {
       return "the mouse is the pen";
     }
     const auto address = haptics::vrpn::parse_address(device_);
-    if (!address) return address.error().message();
+    if (!address) return with_where(settings.device_from, address.error()).message();
     dialled_ = std::make_shared<haptics::vrpn::VrpnDevice>(*address);
     dialled_since_ = now;
   }
@@ -141,9 +139,13 @@ std::string Stage::keep_pen(const Settings& settings, double now) {
     return device_ + " is the pen";
   }
   if (now - dialled_since_ < std::chrono::duration<double>(patience).count()) return "";
-  const Error error = no_answer(device_, *dialled_);
+  const std::string said = unanswered(settings);
   dialled_.reset();
-  return error.message();
+  return said;
+}
+
+std::string Stage::unanswered(const Settings& settings) const {
+  return dialled_ ? with_where(settings.device_from, no_answer(device_, *dialled_)).message() : "";
 }
 
 std::string Stage::keep_up(const Settings& settings, double now) {

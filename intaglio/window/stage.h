@@ -27,6 +27,8 @@ class Stage {
   Result<void> drop(const std::filesystem::path& file, const Settings& settings);
   // Asks again when the settings or the watched files need it. What there is to say.
   std::string keep_up(const Settings& settings, double now);
+  // What there is to say at the end of a device that was asked for and has not answered.
+  std::string unanswered(const Settings& settings) const;
   // Takes what has been loaded. Whether there is a new session; `message` says what went wrong or what is on.
   bool poll(std::string& message);
 

@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -44,6 +45,31 @@ TEST_CASE("an unwritable place is an error before and at writing") {
   CHECK_FALSE(check_writable(folder.path / "file" / "under_a_file.mp4"));
   CHECK_FALSE(write_file(folder.path / "file" / "under_a_file.mp4", "y"));
   CHECK_FALSE(check_writable(folder.path));
+}
+
+TEST_CASE("a name must tell what is written") {
+  CHECK(check_named("out/a.wav", ".wav", "a WAV file"));
+  CHECK(check_named("out/a.b.WAV", ".wav", "a WAV file"));
+  for (const char* name : {"a.mp3", "a", ".wav", "wav", "a.wav.mp3", ""}) {
+    const auto named = check_named(name, ".wav", "a WAV file");
+    REQUIRE_FALSE(named);
+    CHECK(named.error().message().find("is not named as a WAV file; end the name with .wav") !=
+          std::string::npos);
+  }
+}
+
+TEST_CASE("a device or pipe is not replaced by a file of its name") {
+  const Folder folder;
+  const auto pipe = folder.path / "pipe";
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  CHECK_FALSE(check_writable(pipe));
+  const auto written = write_file(pipe, "x");
+  REQUIRE_FALSE(written);
+  CHECK(written.error().message().find("pipe: is a device or pipe, not a file; name a file") !=
+        std::string::npos);
+  CHECK(std::filesystem::is_fifo(pipe));
+  CHECK_FALSE(write_file("", "x"));
+  CHECK_FALSE(check_writable(folder.path / ""));
 }
 
 TEST_CASE("a file over the limit is refused") {

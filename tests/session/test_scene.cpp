@@ -1,8 +1,11 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <string>
 
+#include "intaglio/session/covered_texels.h"
 #include "intaglio/session/scene.h"
+#include "intaglio/session/scene_surface.h"
 
 using namespace intaglio;
 using namespace intaglio::session;
@@ -68,10 +71,24 @@ TEST_CASE("values that make no sense are errors with line and what would be righ
       {"[[body]]\nskin = { texture = \"brick\" }\n", "s.toml:2", "no skin"},
       {"[[body]]\nbottom = { textur = \"brick\" }\n", "s.toml:2", "\"texture\""},
       {"[[body]]\nshape = \"sphere\"\nskin = { repeat = [0, 1] }\n", "s.toml:3", "1 to 64"},
+      {"[[ground]]\nbase = { file = \"a.obj\" }\n", "s.toml:2", "says nothing of a bowl"},
+      {"[[ground]]\nbase = { shape = \"sphere\", height = 1 }\n", "s.toml:2", "radius, repeat"},
+      {"[[ground]]\nbase = { shape = \"mesh\", file = \"a.obj\", radius = 1 }\n", "s.toml:2", "of a mesh"},
+      {"[[ground]]\nsize = [1, 1]\nbase = {}\n", "s.toml:2", "size"},
+      {"[[ground]]\nrepresentation = \"flat\"\n", "s.toml:2", "floor's"},
+      {"[[body]]\nradius = 0.1\n", "s.toml:2", "of a box"},
+      {"[[body]]\nshape = \"cylinder\"\nletter = \"B\"\n", "s.toml:3", "radius, height"},
+      {"[[body]]\nsweep = 20\n", "s.toml:2", "no flipper"},
+      {"[[body]]\nkey = \"left\"\nvelocity = [1, 0, 0]\n", "s.toml:3", "flipper"},
+      {"[[body]]\nmotion = \"fixed\"\nspin = [1, 0, 0]\n", "s.toml:3", "fixed"},
+      {"[surface]\nthickness = 1e-9\n", "s.toml:2", "between 0.001 m and 10 m"},
       {"seed = 1.5\n", "s.toml:1", "whole"},
       {"[video]\nwidth = 641\n", "s.toml:2", "even"},
       {"[pen]\nlength = 0.1\n", "s.toml:1", "waypoint"},
       {"[pen]\npath = [[0, 0, 0, 0], [0, 0, 0, 0]]\n", "s.toml:2", "increase"},
+      {"[pen]\npath = [[-5, 0, 0, 0]]\n", "s.toml:2", "between 0 s and 100000 s"},
+      {"[pen]\npath = [[0, 0, 1e9, 0]]\n", "s.toml:2", "1e+09 m"},
+      {"[pen]\ndevice_workspace = [1, -1, 1]\npath = [[0, 0, 0, 0]]\n", "s.toml:2", "0.001 m and 10 m"},
       {"[pen]\npath = [[0, 0, 0]]\n", "s.toml:2", "4 numbers"},
       {"[pen]\ndirection = [0, 0, 0]\npath = [[0, 0, 0, 0]]\n", "s.toml:2", "direction"},
       {"light = [0, 0, 0]\n", "s.toml:1", "direction"},
@@ -88,6 +105,75 @@ TEST_CASE("values that make no sense are errors with line and what would be righ
     CHECK_MESSAGE(has(error, c.part), c.text << " -> " << error);
     CHECK(error.find('\n') == std::string::npos);
   }
+}
+
+TEST_CASE("textures and bases that cannot be taken are errors of the scene's line, with file and reason") {
+  const std::string sheet = std::string(INTAGLIO_SOURCE_DIR) + "/tests/CMakeLists.txt";
+  const struct {
+    std::string text;
+    const char* line;
+    const char* part;
+  } cases[] = {
+      {"[surface]\nsize = [1, 1]\ntexture = \"none.png\"\n", "s.toml:3", "none.png: no such file"},
+      {"[[ground]]\n\ntexture = \"brik\"\n", "s.toml:3", "brick_running"},
+      {"[[ground]]\ntexture = \"brick\"\n[ground.base]\nshape = \"mesh\"\nfile = \"none.obj\"\n", "s.toml:5",
+       "none.obj: no such file"},
+      {"[[ground]]\n[ground.base]\nshape = \"mesh\"\nfile = \"" + sheet + "\"\n", "s.toml:4", ".obj"},
+      {"[[ground]]\ndepth = 5\n[ground.base]\nshape = \"cylinder\"\n", "s.toml:3", "depth"},
+      {"[[body]]\nshape = \"sphere\"\nskin = { texture = \"none.png\" }\n", "s.toml:3", "none.png"},
+      {"[[body]]\nshape = \"sphere\"\n[body.skin]\ndepth = 1\n", "s.toml:3", "depth"},
+      {"[[body]]\n[body.top]\n\ntexture = \"none.png\"\n", "s.toml:4", "none.png"},
+      {"[[body]]\n[body.bottom]\ndepth = 0.5\n", "s.toml:2", "thick"},
+  };
+  for (const auto& c : cases) {
+    const auto scene = parse_scene(c.text, "s.toml");
+    REQUIRE_MESSAGE(scene, c.text);
+    const auto made = make_surface(*scene);
+    const std::string error = made ? "" : made.error().message();
+    CHECK_MESSAGE(error.rfind(std::string(c.line) + ": ", 0) == 0, c.text << " -> " << error);
+    CHECK_MESSAGE(has(error, c.part), c.text << " -> " << error);
+  }
+}
+
+TEST_CASE(
+    "a texture so fine on its base that contact would not end is refused; a fine one is said to be slow") {
+  const auto made = [](int repeat, double depth) {
+    const auto scene =
+        parse_scene(fmt::format("[[ball]]\nradius = 0.045\n[[ground]]\ntexture = \"pebbles\"\ndepth = {}\n"
+                                "base = {{ radius = 0.3, repeat = [{}, {}] }}\n",
+                                depth, repeat, repeat),
+                    "s.toml");
+    REQUIRE(scene);
+    return make_surface(*scene);
+  };
+  const auto refused = made(64, 0.01);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().message().rfind("s.toml:6: a ball of 0.045 m lies over 4.", 0) == 0);
+  CHECK(has(refused.error().message(), "smaller repeat or depth"));
+  const auto slow = made(64, 0.001), quick = made(4, 0.01);
+  REQUIRE(slow);
+  REQUIRE(quick);
+  const auto says = [](const SceneSurface& surface) {
+    return std::any_of(surface.notes.begin(), surface.notes.end(),
+                       [](const std::string& note) { return has(note, "steps take long"); });
+  };
+  CHECK(says(*slow));
+  CHECK_FALSE(says(*quick));
+  // As many texels as lie in the cap, whichever way they are cut up.
+  CHECK(covered_texels(slow->grounds[0], 0.09) ==
+        doctest::Approx(2 * covered_texels(slow->grounds[0], 0.045)));
+  CHECK(covered_texels(*slow, 0.045) == 0);
+}
+
+TEST_CASE("another texture takes nothing over of what was said of the scene's own") {
+  auto scene = parse_scene("[surface]\ntexture = \"a.png\"\ngreen = \"-Y\"\ndepth = 0.1\n", "s.toml");
+  REQUIRE(scene);
+  put_texture(scene->surface, "none.png");
+  CHECK_FALSE(scene->surface.green);
+  CHECK_FALSE(scene->surface.depth);
+  const auto made = make_surface(*scene);
+  REQUIRE_FALSE(made);
+  CHECK(made.error().message().rfind("none.png: no such file", 0) == 0);
 }
 
 TEST_CASE("a ball's mass overrides its density") {

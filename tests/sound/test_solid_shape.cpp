@@ -23,8 +23,9 @@ TEST_CASE("shapes by name have their volume, and no more elements than allowed")
 }
 
 TEST_CASE("what is no shape is said so") {
-  for (const char* text : {"sphere:", "sphere:r=", "sphere:r=-1", "sphere:r=nan", "sphere:q=1", "box:x=1,y=1",
-                           "plate:a=1,t=1e9", "cylinder:r=0.1,,h=1", "sphere:r=0.1x"}) {
+  for (const char* text :
+       {"sphere:", "sphere:r=", "sphere:r=-1", "sphere:r=nan", "sphere:q=1", "box:x=1,y=1", "plate:a=1,t=1e9",
+        "cylinder:r=0.1,,h=1", "sphere:r=0.1x", "sphere:r=0.05,r=0.1", "box:x=1,y=1,z=1,y=1"}) {
     CAPTURE(text);
     const auto shape = solid_shape(text);
     REQUIRE_FALSE(shape);

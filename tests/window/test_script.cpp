@@ -44,4 +44,27 @@ TEST_CASE("a bad script is refused in one line that names the line") {
   refused("1 quit now\n", "wrong arguments");
   refused("1 down thumb\n", "no mouse button");
   refused("1 drop\n", "wrong arguments");
+  refused("0 quit\n1 point -1\n", "t:2: \"point\" has -1; point BODY: a whole number from 0");
+  refused("1 point 1.5\n", "whole number");
+  refused("1 resize 0 0\n", "t:1: \"resize\" has 0; resize W H: a whole number from 16 to 7680");
+  refused("1 resize 640 1e9\n", "from 16 to 4320");
+  refused("1 move 1.5 0\n", "from 0 to 1");
+  refused("1 wheel 1e30\n", "from -100 to 100");
+  refused("1 set depth -5\n", "t:1: depth is -5; it must be between 0 and 10, or -1 for the scene's own");
+  refused("1 set samples 1.5\n", "a whole number from 1 to 4");
+  refused("1 set pen 2\n", "a whole number from 0 to 1");
+  refused("1 set dept 1\n", "did you mean \"depth\"");
+  refused("1 key Spase\n", "t:1: there is no key \"Spase\"");
+  refused("1 hold nothing\n", "no key");
+  refused("1 device Phantom0\n", "t:1: ");
+  refused("1 device a@b:99999\n", "t:1: ");
+  refused("1 screenshot a.jpg\n", "end the name with .png");
+}
+
+TEST_CASE("what a script may say, at the ends of every range") {
+  CHECK(
+      parse_script("1 point 0\n1 resize 16 16\n1 resize 7680 4320\n1 set depth -1\n1 set depth 0\n"
+                   "1 set representation -1\n1 set speed 0.01\n1 move 0 1\n1 device mouse\n"
+                   "1 device Phantom0@127.0.0.1:3883\n1 screenshot a.PNG\n",
+                   "t"));
 }

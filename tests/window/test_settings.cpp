@@ -2,6 +2,8 @@
 
 #include <unistd.h>
 
+#include <cmath>
+
 #include "intaglio/core/file.h"
 #include "intaglio/window/file_watch.h"
 #include "intaglio/window/gamepad.h"
@@ -26,6 +28,9 @@ TEST_CASE("settings that are kept come back as they were; those of one run do no
   CHECK(set_by_name(settings, "width", 801));
   CHECK(set_by_name(settings, "speed", 0.1));
   CHECK_FALSE(set_by_name(settings, "volum", 1));
+  CHECK_FALSE(set_by_name(settings, "volume", 1e3));
+  CHECK_FALSE(set_by_name(settings, "volume", std::nan("")));
+  CHECK_FALSE(set_by_name(settings, "mute", 0.5));
   REQUIRE(write_settings(file, settings));
   Settings read;
   REQUIRE(read_settings(file, read));
@@ -47,6 +52,23 @@ TEST_CASE("settings that cannot be read change nothing and say why; missing ones
   REQUIRE_FALSE(read);
   CHECK(read.error().message().find("width") != std::string::npos);
   CHECK(settings.volume == 0);
+  REQUIRE(write_file(file, std::string_view("volume = 3\nsamples = 9\n")));
+  const auto samples = read_settings(file, settings);
+  REQUIRE_FALSE(samples);
+  CHECK(samples.error().message().find(":2: samples is 9; it must be a whole number from 1 to 4") !=
+        std::string::npos);
+  std::filesystem::remove(file);
+}
+
+TEST_CASE("what is written can be read again, whatever the window was like") {
+  const auto file = scratch("clamped.toml");
+  Settings settings;
+  settings.width = 3;
+  settings.volume = 1e9;
+  REQUIRE(write_settings(file, settings));
+  Settings read;
+  REQUIRE(read_settings(file, read));
+  CHECK(read.width == 16);
   std::filesystem::remove(file);
 }
 

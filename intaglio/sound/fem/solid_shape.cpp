@@ -72,6 +72,7 @@ Result<SolidShape> solid_shape(const std::string& text) {
     if (key == shape->keys.end() || part.size() < 3 || part[1] != '=')
       return fail(text, fmt::format("\"{}\" is not understood", part), fix);
     double& value = values[std::size_t(key - shape->keys.begin())];
+    if (value != 0) return fail(text, fmt::format("{} is given twice", *key), fix);
     const auto [end, error] = std::from_chars(part.data() + 2, part.data() + part.size(), value);
     if (error != std::errc() || end != part.data() + part.size() || !(value >= smallest && value <= largest))
       return fail(text, fmt::format("\"{}\" is no size", part), fix);
