@@ -18,14 +18,16 @@ constexpr double most_seconds = 20;
 }  // namespace
 
 bool has_skew_edges(const BodySurface& body, double element_size) {
+  std::vector<SharpEdge> skew = sharp_edges_of(body);
+  const double least = least_skew * (body.high - body.low).norm();
+  if (!(length_of(skew, body) > least)) return false;
   const Mat3 axes = flat_frame(body.points, body.triangles);
   const auto is_along = [&](const Vec3& n) {
     return (axes.transpose() * n).cwiseAbs().maxCoeff() > along_cosine;
   };
-  std::vector<SharpEdge> skew = sharp_edges_of(body);
   std::erase_if(skew, [&](const SharpEdge& e) { return is_along(e.left) && is_along(e.right); });
   const double length = length_of(skew, body);
-  return length > least_skew * (body.high - body.low).norm() && length * element_size < body.area;
+  return length > least && length * element_size < body.area;
 }
 
 Result<FilledSurface> fill_by(Mesher mesher, const BodySurface& body, const FillOptions& options,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <tuple>
 
 namespace intaglio::sound {
 
@@ -19,16 +20,26 @@ std::vector<SharpEdge> sharp_edges_of(const BodySurface& body) {
     const Vec3& o = body.points[std::size_t(a)];
     return Vec3((body.points[std::size_t(b)] - o).cross(body.points[std::size_t(c)] - o).normalized());
   };
-  std::map<std::pair<int, int>, std::size_t> first;
-  std::vector<SharpEdge> sharp;
-  for (std::size_t t = 0; t < body.triangles.size(); ++t) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto edge = std::minmax({body.triangles[t][k], body.triangles[t][(k + 1) % 3]});
-      const auto [other, is_new] = first.try_emplace(edge, t);
-      if (is_new) continue;
-      const Vec3 left = normal(other->second), right = normal(t);
-      if (left.dot(right) < sharp_cosine) sharp.push_back({edge.first, edge.second, left, right});
+  struct Side {
+    std::pair<int, int> edge;
+    std::size_t triangle;
+    bool operator<(const Side& other) const {
+      return std::tie(edge, triangle) < std::tie(other.edge, other.triangle);
     }
+  };
+  std::vector<Side> sides;
+  sides.reserve(3 * body.triangles.size());
+  for (std::size_t t = 0; t < body.triangles.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k)
+      sides.push_back({std::minmax({body.triangles[t][k], body.triangles[t][(k + 1) % 3]}), t});
+  }
+  std::sort(sides.begin(), sides.end());
+  std::vector<SharpEdge> sharp;
+  for (std::size_t k = 1; k < sides.size(); ++k) {
+    const auto& [from, to] = sides[k].edge;
+    if (sides[k].edge != sides[k - 1].edge) continue;
+    const Vec3 left = normal(sides[k - 1].triangle), right = normal(sides[k].triangle);
+    if (left.dot(right) < sharp_cosine) sharp.push_back({from, to, left, right});
   }
   return sharp;
 }
