@@ -99,7 +99,9 @@ Result<Body> make_elements(const BakeArguments& options, const Material& materia
   const auto surface = sound::body_surface(*mesh, options.mesh, options.thickness);
   if (!surface) return tl::unexpected(surface.error());
   if (options.shell == "springs") return Body{{{}, 0, surface->notes}, surface->points.size(), *surface};
-  const sound::FillOptions fill{size_for(surface->volume, surface->area), options.elements};
+  sound::FillOptions fill{size_for(surface->volume, surface->area), options.elements};
+  if (!(options.element_size > 0) && sound::has_skew_edges(*surface, fill.element_size))
+    fill.element_size *= sound::at_skew_edges;
   const auto mesher = options.mesher == "netgen"    ? sound::Mesher::netgen
                       : options.mesher == "lattice" ? sound::Mesher::lattice
                                                     : sound::Mesher::automatic;

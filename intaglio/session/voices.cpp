@@ -26,7 +26,7 @@ class Bakery {
   void add(sound::SoundBody body, const std::string& name, const std::string& shape,
            const std::function<sound::TetMesh()>& mesh, const Material& material) {
     if (error_) return;
-    const std::string key = fmt::format("2 {} {} {} {} {} {} {} {}", shape, material.name, material.density,
+    const std::string key = fmt::format("3 {} {} {} {} {} {} {} {}", shape, material.name, material.density,
                                         material.youngs_modulus, material.poisson_ratio,
                                         material.rayleigh_alpha, material.rayleigh_beta, bake_.modes.count);
     auto& model = models_[key];

@@ -15,28 +15,40 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 
 constexpr double heard = 1e-5;          // of a filter's response: less is not in the band
+constexpr double farthest = 10;         // bandwidths: resonances beyond are not in the band either
 constexpr double least_content = 1e-6;  // of the strongest band, of its mean energy: less is no sound
+
+// The filter's power that many bandwidths from its centre.
+double rounded_exponential(double bandwidths) {
+  return (1 + 4 * bandwidths) * std::exp(-4 * bandwidths);
+}
+
+constexpr std::array places{0.0, 0.05, 0.1,  0.15, 0.2, 0.3, 0.4, 0.5, 0.65,
+                            0.8, 1.0,  1.25, 1.5,  2.0, 2.5, 3.0, 4.0};
 
 // What the filter passes of a resonance 1 / (d + i (w - omega)): the integral over all w, over pi. Exact for
 // the response drawn straight between some places, which is nowhere negative, so that no energy will be.
 std::complex<double> passed(double omega, double d, double centre) {
-  constexpr std::array places{0.0, 0.05, 0.1,  0.15, 0.2, 0.3, 0.4, 0.5, 0.65,
-                              0.8, 1.0,  1.25, 1.5,  2.0, 2.5, 3.0, 4.0};
+  static const auto responses = [] {
+    std::array<double, places.size()> all{};
+    std::transform(places.begin(), places.end(), all.begin(), rounded_exponential);
+    return all;
+  }();
   const double width = 2 * std::numbers::pi * erb(centre);
   const std::complex<double> i(0, 1);
   std::complex<double> sum = 0;
   for (const double side : {-1.0, 1.0}) {
+    const double middle = 2 * std::numbers::pi * centre - omega;
+    std::complex<double> log_from = std::log(std::complex(d, middle));
     for (std::size_t k = 0; k + 1 < places.size(); ++k) {
-      const double from = 2 * std::numbers::pi * centre - omega + side * places[k] * width,
-                   to = from + side * (places[k + 1] - places[k]) * width;
-      const double response = auditory_response(centre + places[k] * erb(centre), centre);
-      const double slope =
-          (auditory_response(centre + places[k + 1] * erb(centre), centre) - response) / (to - from);
+      const double from = middle + side * places[k] * width,
+                   along = side * (places[k + 1] - places[k]) * width;
+      const double slope = (responses[k + 1] - responses[k]) / along;
       // response + slope (x - from) over z = d + i x.
-      const std::complex<double> z0(d, from), z1(d, to);
-      const std::complex<double> part =
-          -i * (response - slope * from + i * slope * d) * (std::log(z1) - std::log(z0)) - slope * (z1 - z0);
-      sum += side * part;
+      const std::complex<double> log_to = std::log(std::complex(d, from + along));
+      sum += side * (-i * std::complex(responses[k] - slope * from, slope * d) * (log_to - log_from) -
+                     slope * along * i);
+      log_from = log_to;
     }
   }
   return sum / std::numbers::pi;
@@ -54,12 +66,6 @@ double worst_direction(const Mat3& after, const Mat3& before) {
                   std::abs(decibels(std::max(1e-30, solver.eigenvalues()[2]))));
 }
 
-Mat3 mean_of(const std::vector<Mat3>& energy) {
-  Mat3 sum = Mat3::Zero();
-  for (const Mat3& q : energy) sum += q;
-  return sum / double(energy.size());
-}
-
 }  // namespace
 
 double erb(double hertz) {
@@ -75,8 +81,7 @@ double hertz_at_erb(double number) {
 }
 
 double auditory_response(double hertz, double centre) {
-  const double x = 4 * std::abs(hertz - centre) / erb(centre);
-  return (1 + x) * std::exp(-x);
+  return rounded_exponential(std::abs(hertz - centre) / erb(centre));
 }
 
 HeardModes heard_modes(const ModalModel& model, int stride) {
@@ -107,6 +112,8 @@ std::vector<Mat3> band_energy(const HeardModes& modes, double centre) {
   std::vector<Index> in_band;
   std::vector<std::complex<double>> resonance;
   for (Index m = 0; m < modes.modes(); ++m) {
+    if (std::abs(modes.angular_frequency[m] / (2 * std::numbers::pi) - centre) > farthest * erb(centre))
+      continue;
     const auto h = passed(modes.angular_frequency[m], modes.damping[m], centre);
     if (std::abs(h) < heard) continue;
     in_band.push_back(m);
@@ -122,7 +129,8 @@ std::vector<Mat3> band_energy(const HeardModes& modes, double centre) {
       const Index b = in_band[std::size_t(k)];
       const std::complex<double> both(modes.damping[a] + modes.damping[b],
                                       modes.angular_frequency[b] - modes.angular_frequency[a]);
-      pairs(i, k) = 0.25 * ((resonance[std::size_t(i)] + std::conj(resonance[std::size_t(k)])) / both).real();
+      const std::complex<double> sum = resonance[std::size_t(i)] + std::conj(resonance[std::size_t(k)]);
+      pairs(i, k) = 0.25 * (sum.real() * both.real() + sum.imag() * both.imag()) / std::norm(both);
     }
   }
   const MatrixXd half = gain * pairs;
@@ -132,27 +140,29 @@ std::vector<Mat3> band_energy(const HeardModes& modes, double centre) {
   return energy;
 }
 
-SpectralError spectral_error(const HeardModes& before, const HeardModes& after) {
-  struct Band {
-    std::vector<Mat3> before, after;
-    Mat3 mean;
-  };
+std::vector<Band> bands_of(const HeardModes& modes) {
   std::vector<Band> bands;
   double strongest = 0;
-  for (const double centre : band_centres(before)) {
-    Band& band = bands.emplace_back(Band{band_energy(before, centre), band_energy(after, centre), {}});
-    band.mean = mean_of(band.before);
+  for (const double centre : band_centres(modes)) {
+    bands.push_back({centre, band_energy(modes, centre), Mat3::Zero()});
+    Band& band = bands.back();
+    for (const Mat3& q : band.energy) band.mean += q / double(band.energy.size());
     strongest = std::max(strongest, band.mean.trace());
   }
+  std::erase_if(bands, [&](const Band& b) { return !(b.mean.trace() > least_content * strongest); });
+  return bands;
+}
+
+SpectralError spectral_error(std::span<const Band> before, const HeardModes& after) {
   SpectralError error;
   double squares = 0;
   std::size_t count = 0;
-  for (const Band& band : bands) {
-    if (!(band.mean.trace() > least_content * strongest)) continue;
+  for (const Band& band : before) {
+    const std::vector<Mat3> energy = band_energy(after, band.centre);
     // A direction in which the band has nothing at all anywhere is none to divide by.
     const Mat3 floor = node_share * band.mean + 1e-9 * band.mean.trace() * Mat3::Identity();
-    for (std::size_t p = 0; p < band.before.size(); ++p) {
-      const Mat3 was = band.before[p] + floor, is = band.after[p] + floor;
+    for (std::size_t p = 0; p < energy.size(); ++p) {
+      const Mat3 was = band.energy[p] + floor, is = energy[p] + floor;
       error.max_db = std::max(error.max_db, worst_direction(is, was));
       squares += std::pow(decibels(is.trace() / was.trace()), 2);
       ++count;

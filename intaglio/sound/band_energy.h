@@ -9,6 +9,7 @@
 // hearing with age", 1982 (the rounded exponential filter).
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "intaglio/sound/modal_model.h"
@@ -37,14 +38,22 @@ std::vector<double> band_centres(const HeardModes& modes);
 // Q of each point, Pa^2 s for an impulse of 1 N s.
 std::vector<Mat3> band_energy(const HeardModes& modes, double centre);
 
-// How differently two sets of modes of one surface sound, in dB of band energy: the worst over all bands,
-// points and directions of the blow, and the root mean square over bands and points, directions averaged. Of
-// each band a tenth of its mean over the surface is added to both, since near a node of a band others are
-// heard.
+// A band that modes are heard in: those with less than a millionth of the strongest one's energy are not.
+struct Band {
+  double centre = 0;         // Hz
+  std::vector<Mat3> energy;  // Q of each point
+  Mat3 mean;                 // over the points
+};
+std::vector<Band> bands_of(const HeardModes& modes);
+
+// How differently two sets of modes of one surface sound, in dB of band energy: the worst over the bands
+// given, points and directions of the blow, and the root mean square over bands and points, directions
+// averaged. Of each band a tenth of its mean over the surface is added to both, since near a node of a band
+// others are heard.
 struct SpectralError {
   double max_db = 0, rms_db = 0;
 };
 inline constexpr double node_share = 0.1;
-SpectralError spectral_error(const HeardModes& before, const HeardModes& after);
+SpectralError spectral_error(std::span<const Band> before, const HeardModes& after);
 
 }  // namespace intaglio::sound

@@ -14,6 +14,7 @@ constexpr double slowest_beat = 0.5;  // of the sum of both decays: the distance
 constexpr double least_pitch = 0.002;
 constexpr double masked = 0.01;  // of its band's energy
 constexpr int tried_points = 100;
+constexpr double reach = 4;  // bands from a mode that it is heard in
 
 // Modes that will be one.
 struct Group {
@@ -27,7 +28,8 @@ class Merging {
   Merging(const ModalModel& model, double allowed_db)
       : model_(model),
         allowed_db_(allowed_db),
-        heard_(heard_modes(model, 1 + int(model.points.size()) / tried_points)) {
+        heard_(heard_modes(model, 1 + int(model.points.size()) / tried_points)),
+        bands_(bands_of(heard_)) {
     for (int m = 0; m < model.modes(); ++m)
       groups_.push_back({{m},
                          heard_.angular_frequency[m],
@@ -79,24 +81,14 @@ class Merging {
     return std::max(most, span / (slowest_beat * 2 * damping(both.omega)));
   }
 
-  // Whether the sound of the modes near `omega` stays within what is allowed when groups_ are `changed`.
+  // Whether the sound of the bands near `omega` stays within what is allowed when groups_ are `changed`.
   bool is_allowed(const std::vector<Group>& changed, double omega) const {
-    const auto is_near = [&](double other) {
-      return std::abs(erb_number(other / (2 * std::numbers::pi)) -
-                      erb_number(omega / (2 * std::numbers::pi))) < 4;
-    };
-    HeardModes before;
-    std::vector<Index> columns;
-    for (Index m = 0; m < heard_.modes(); ++m) {
-      if (is_near(heard_.angular_frequency[m])) columns.push_back(m);
-    }
-    before.angular_frequency = heard_.angular_frequency(columns);
-    before.damping = heard_.damping(columns);
-    before.gain = heard_.gain(Eigen::all, columns);
-    std::vector<Group> near;
-    std::copy_if(changed.begin(), changed.end(), std::back_inserter(near),
-                 [&](const Group& g) { return is_near(g.omega); });
-    return spectral_error(before, heard(near)).max_db <= allowed_db_;
+    const double place = erb_number(omega / (2 * std::numbers::pi));
+    const auto first = std::find_if(bands_.begin(), bands_.end(),
+                                    [&](const Band& b) { return erb_number(b.centre) > place - reach; });
+    const auto end = std::find_if(first, bands_.end(),
+                                  [&](const Band& b) { return erb_number(b.centre) >= place + reach; });
+    return spectral_error({first, end}, heard(changed)).max_db <= allowed_db_;
   }
 
   void merge_close() {
@@ -162,6 +154,7 @@ class Merging {
   const ModalModel& model_;
   double allowed_db_;
   HeardModes heard_;
+  std::vector<Band> bands_;  // of all modes
   std::vector<Group> groups_;
 };
 
@@ -200,7 +193,7 @@ ModalModel with_groups(const ModalModel& model, const Merging& merging) {
 
 void merge_modes(ModalModel& model, double allowed_db) {
   if (!(allowed_db > 0) || model.modes() < 2) return;
-  const HeardModes before = heard_modes(model);
+  const std::vector<Band> before = bands_of(heard_modes(model));
   // Tried at some points, stated for all of them: what they reveal asks for less.
   for (double tried_db = allowed_db; tried_db > 0.01 * allowed_db; tried_db *= 0.7) {
     Merging merging(model, tried_db);

@@ -6,7 +6,7 @@
 // exactly what they sound like together. A mode is left out when 20 dB below its band wherever and however
 // the body is struck. Both only as long as no auditory band changes by more than asked (band_energy.h).
 // Shapes are mass-normalised no longer; scaled up (scaled_model.h), modes ring longer for their distance, and
-// the error grows. Cost: about 1 s for 100 modes. Sources: Raghuvanshi & Lin, "Interactive sound synthesis
+// the error grows. Cost: some 0.4 s for 100 modes. Sources: Raghuvanshi & Lin, "Interactive sound synthesis
 // for large scale environments", 2006 (merging what is not discriminated); Wier, Jesteadt & Green, "Frequency
 // discrimination as a function of frequency and sensation level", 1977 (0.2 %).
 #pragma once

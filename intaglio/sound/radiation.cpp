@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <map>
 #include <numbers>
 
@@ -16,7 +17,7 @@ namespace intaglio::sound {
 namespace {
 
 constexpr int fewest_directions = 64, most_directions = 256;  // and as many opposites
-constexpr double supersonic = 2;  // times the wave number of the shape: from there on all of it gets away
+constexpr double supersonic = 1.4;  // times the wave number of the shape: from there on all of it gets away
 constexpr std::size_t most_points = 600;  // of a surface whose near field is solved
 // In radians across a triangle: beyond, what is radiated no longer depends on the frequency.
 constexpr double finest_phase = 2;
@@ -74,6 +75,12 @@ double mean_square(const Facets& f, double k, const Eigen::VectorXd& u, const Ei
     sum += even_re * even_re + even_im * even_im + odd_re * odd_re + odd_im * odd_im;
   }
   return sum / directions;
+}
+
+// Of the air before a wave of wave number 1 / s on a surface as large as a sphere of radius s / `share`, over
+// rho c; x = k s.
+std::complex<double> wave_impedance(double x, double share) {
+  return x / std::sqrt(std::complex<double>(x * x - 1, -2 * std::cbrt(share * share) * x));
 }
 
 Vec3 normal_times_area(const std::vector<Vec3>& points, const Triangle& t) {
@@ -149,6 +156,7 @@ std::vector<double> radiated_pressure(const VibratingSurface& surface, std::span
   const Eigen::MatrixXd potential = near_potential(surface.points, surface.triangles, surface.velocity);
   const Facets f = facets_of(surface);
   const double finest = finest_phase / std::sqrt(f.area.sum() / double(f.area.size()));
+  const double reach = std::sqrt(f.area.sum() / (4 * std::numbers::pi));
   std::vector<double> pressure;
   for (Eigen::Index m = 0; m < surface.velocity.cols(); ++m) {
     const double k = std::min(omega[std::size_t(m)] / speed_of_sound, finest);
@@ -156,12 +164,14 @@ std::vector<double> radiated_pressure(const VibratingSurface& surface, std::span
     const double square = f.area.dot(u.cwiseAbs2());
     const double s =
         square > 0 ? std::max(0.0, (f.area.array() * u.array() * phi.array()).sum() / square) : 0;
-    const double air = 1 / (1 + k * k * s * s), impedance = air_density * speed_of_sound;
+    const double impedance = air_density * speed_of_sound;
+    const std::complex<double> z = wave_impedance(k * s, s / reach);
     if (k * s > supersonic) {
-      pressure.push_back(impedance * std::sqrt(square / (4 * std::numbers::pi)));
+      pressure.push_back(impedance * std::sqrt(z.real() * square / (4 * std::numbers::pi)));
       continue;
     }
-    const double mean = mean_square(f, k, u, (1 - air) * impedance * u, air * k * impedance * phi);
+    const double out_of_phase = s > 0 ? z.imag() / (k * s) : 1;
+    const double mean = mean_square(f, k, u, z.real() * impedance * u, out_of_phase * k * impedance * phi);
     pressure.push_back(k / (4 * std::numbers::pi) * std::sqrt(mean));
   }
   return pressure;

@@ -5,14 +5,18 @@
 // What the surface sums up to decides, so below k a = 1 every order falls by its own (k a): a body that
 // breathes is a monopole, one that shakes a dipole, a free body's bending modes are of higher order, since
 // each displaces no volume and gives no momentum. p_s is that of incompressible air (near_field.h), i omega
-// rho Phi, turning into rho c u where the wave number exceeds that of the shape: with the length s = <u, Phi>
-// / <u, u> (a / (n + 1) for order n of a sphere) by the share 1 / (1 + (k s)^2); above k s = 2 all of it gets
-// away. Against closed forms: a pulsating sphere within 0.8 dB, its orders 1 to 3 within 2.5 at any k a, a
-// shaking disk within 1, a bending plate near coincidence up to 3.3 dB too quiet. Orders that fall below a
-// thirtieth of a dipole of the same velocity are as uncertain as the mesh is uneven. No directivity, no room,
-// no other bodies. Sources: Fahy & Gardonio, "Sound and Structural Vibration", 2007, ch. 3; Cremer, Heckl,
-// Petersson, "Structure-Borne Sound", 2005, ch. 6; Morse & Ingard, "Theoretical Acoustics", ch. 7; O'Brien,
-// Shen, Gatchalian, "Synthesizing sounds from rigid-body simulations", 2002.
+// rho Phi, turning into rho c u where the wave number exceeds that of the shape. With the length s = <u, Phi>
+// / <u, u> (a / (n + 1) for order n of a sphere, 1 / k_p of a plane wave of wave number k_p), x = k s and eta
+// = (s / a)^(2/3), a that of a sphere of as much surface, p_s = rho c (Re z u + i Im z / s Phi), z = x /
+// sqrt(x^2
+// - 1 - 2 i eta x): exact for a sphere that breathes (eta = 1) and for a wave without end (eta = 0); the
+// power 2/3 is that of the width of the transition of high orders, Airy's. Above x = 1.4 the power is rho c
+// Re z u^2. Against closed forms: orders 0 to 3 of a sphere within 1.5 dB at any k a, a shaking disk within
+// 1, a plate that bends within 1.6 from a fifth above coincidence. Orders that fall below a thirtieth of a
+// dipole of the same velocity are as uncertain as the mesh is uneven. No directivity, no room, no other
+// bodies. Sources: Fahy & Gardonio, "Sound and Structural Vibration", 2007, ch. 3; Cremer, Heckl, Petersson,
+// "Structure-Borne Sound", 2005, ch. 6; Morse & Ingard, "Theoretical Acoustics", ch. 7; O'Brien, Shen,
+// Gatchalian, "Synthesizing sounds from rigid-body simulations", 2002.
 #pragma once
 
 #include <span>

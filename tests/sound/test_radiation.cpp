@@ -94,7 +94,7 @@ TEST_CASE("potentials of a triangle are those of many points on it") {
 TEST_CASE("a sphere that breathes, shakes, and so on radiates as its closed form says") {
   const double a = 0.1;
   // Orders that the mesh, not quite round, mixes with lower ones are told from 30 dB below these up.
-  const std::array<double, 4> from{0.02, 0.05, 0.1, 2}, worst{1, 2.5, 2.5, 2.5};
+  const std::array<double, 4> from{0.02, 0.05, 0.1, 2}, worst{0.2, 1.2, 1.2, 1.6};
   for (int n = 0; n < 4; ++n) {
     CAPTURE(n);
     const VibratingSurface sphere = surface_of(
@@ -103,7 +103,7 @@ TEST_CASE("a sphere that breathes, shakes, and so on radiates as its closed form
     const double s = phi.col(0).dot(sphere.velocity.col(0)) / sphere.velocity.col(0).squaredNorm();
     CHECK(s == doctest::Approx(a / (n + 1)).epsilon(0.03));
     std::vector<double> k;
-    for (double ka = from[std::size_t(n)]; ka < 60; ka *= 1.6) k.push_back(ka / a);
+    for (double ka = from[std::size_t(n)]; ka < 60; ka *= 1.3) k.push_back(ka / a);
     const std::vector<double> p = pressures(sphere, k);
     double most = 0;
     for (std::size_t i = 0; i < k.size(); ++i)
@@ -155,8 +155,9 @@ TEST_CASE("above coincidence a plate that bends radiates as a piston does: rho c
     return decibels(pressures(bent, {wave_number})[0] / exact);
   };
   MESSAGE("above coincidence " << off(k) << " dB, near it " << off(2 * q));
-  CHECK(std::abs(off(k)) < 2);
-  CHECK(std::abs(off(2 * q)) < 3.5);
+  CHECK(std::abs(off(k)) < 0.5);
+  CHECK(std::abs(off(2 * q)) < 2);
+  CHECK(std::abs(off(1.2 * std::sqrt(2) * q)) < 2);
   const double exact = rho_c * std::sqrt(2 * 0.4 * 0.4 / 4 / (2 * tau));
   // Below it, what little is heard comes from corners and edges.
   CHECK(decibels(pressures(bent, {q / 3})[0] / exact) < -15);

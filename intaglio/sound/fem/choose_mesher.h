@@ -12,6 +12,8 @@ enum class Mesher { automatic, lattice, netgen };
 // off the lattice, and these lie farther apart than an element: finer ones, a relief's, no mesher should
 // follow.
 bool has_skew_edges(const BodySurface& body, double element_size);
+// Times the size that waves need: elements about such edges are not as well shaped as others.
+inline constexpr double at_skew_edges = 0.7;
 
 // By the mesher that is asked for. Automatic: Netgen for a closed surface of one shell with skew edges and at
 // most 20,000 triangles, within 20 s; where it is not installed, or fails, the lattice, with a note that says

@@ -8,6 +8,7 @@
 
 #include "intaglio/sound/fem/fit_surface.h"
 #include "intaglio/sound/fem/flat_frame.h"
+#include "intaglio/sound/fem/keep_edges.h"
 #include "intaglio/sound/fem/lattice.h"
 #include "intaglio/sound/fem/surface_query.h"
 #include "intaglio/sound/fem/thick_shell.h"
@@ -190,6 +191,12 @@ Result<FilledSurface> fill_surface(const BodySurface& body, const FillOptions& o
     if (body.is_closed()) return tl::unexpected(kept.error());
     return fail(name, "is open and encloses no volume of one piece",
                 "close the surface, or give it thickness");
+  }
+  if (body.thickness == 0 && body.is_closed()) {
+    // Finer ones than elements, a relief's, are not followed.
+    const std::vector<SharpEdge> sharp = sharp_edges_of(body);
+    if (!sharp.empty() && length_of(sharp, body) * filled.element_size < body.area)
+      keep_edges(corners, SharpEdges(body, sharp, filled.element_size), *surface, filled.element_size);
   }
   filled.mesh = quadratic_mesh(std::move(corners.points), std::move(corners.tets));
 
