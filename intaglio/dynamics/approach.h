@@ -28,14 +28,24 @@ struct Approach {
   Vec3 held_velocity(const contact::ContactSet& contacts, double slack) const;
   // How far any of its points may move.
   double travel() const { return (velocity.norm() + spin.norm() * lever) * dt; }
+  // How far what rolls over a point lifts off it in a step that goes straight on.
+  double rolled() const { return travel() * travel() / (2 * reach); }
   // Where it will be at the end of the step, kept by `contacts` from going through what they touch.
   Pose predicted(const contact::ContactSet& contacts) const;
+};
+
+// Contacts; the first `now` are where the body is now, the others where it would be at the end of the step:
+// the distance to their plane, negative where the body is behind it already.
+struct Ahead : contact::ContactSet {
+  std::size_t now = 0;
+  Ahead() = default;
+  Ahead(const contact::ContactSet& set) : contact::ContactSet(set), now(set.count) {}
 };
 
 // Where `body` touches or will touch in the step. Contacts where it is now, and those that it would run into:
 // where it will be, it is looked at again, and what it then is in by more than `slack` is added as the plane
 // that it meets.
-contact::ContactSet contacts_ahead(const TouchableShape& shape, const contact::Shape& body,
-                                   const Approach& approach, double slack);
+Ahead contacts_ahead(const TouchableShape& shape, const contact::Shape& body, const Approach& approach,
+                     double slack);
 
 }  // namespace intaglio::dynamics
