@@ -11,9 +11,13 @@
 
 namespace intaglio::dynamics {
 
-// m/s: what closes no faster is gravity's doing in a step of `dt` s, and would chatter if it bounced.
+// m/s: what touches no faster is gravity's doing in a step of `dt` s, and would chatter if it bounced.
 inline double least_bounce(double gravity, double dt) {
   return std::max(0.02, gravity * dt);
+}
+// Bullet sees the speed before the step, to which gravity adds: of what bounces, more than this.
+inline double least_seen(double least) {
+  return 0.25 * least;
 }
 
 // What Bullet is told of a contact.
@@ -25,11 +29,11 @@ struct Meeting {
 };
 using Meetings = std::array<Meeting, contact::ContactSet::capacity>;
 
-// A contact bounces when it closes faster than `least` m/s before gravity's gain in the step. Bullet brakes
-// what is ahead softly, and its restitution is lost; so what bounces is resolved once, at full speed, in
-// whichever step starts nearest to its touch. A ball that meets two things one after the other meets the
-// second with what speed the first leaves it, and both are timed by the first; other bodies, which a bounce
-// also turns, bounce off all at once.
+// A contact bounces when it touches faster than `least` m/s. Bullet brakes what is ahead softly, and its
+// restitution is lost; so what bounces is resolved once, at full speed, in whichever step starts nearest to
+// its touch, with the energy that it has left then. A ball that meets two things one after the other meets
+// the second with what speed the first leaves it, and both are timed by the first. Other bodies, which a
+// blow also turns, meet all at once.
 Meetings meetings(const Ahead& contacts, const Approach& approach, double restitution, double least,
                   double slack);
 

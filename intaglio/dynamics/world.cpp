@@ -86,7 +86,7 @@ void World::State::advance(double dt) {
     body.was_awake = body.rigid->isActive();
   }
   world.getSolverInfo().m_restitutionVelocityThreshold =
-      static_cast<btScalar>(least_bounce(options.gravity.norm(), dt));
+      static_cast<btScalar>(least_seen(least_bounce(options.gravity.norm(), dt)));
   world.stepSimulation(static_cast<btScalar>(dt), 0);
   time += dt;
   collect(dt);
