@@ -28,8 +28,6 @@ struct Approach {
   Vec3 held_velocity(const contact::ContactSet& contacts, double slack) const;
   // How far any of its points may move.
   double travel() const { return (velocity.norm() + spin.norm() * lever) * dt; }
-  // How far what rolls over a point lifts off it in a step that goes straight on.
-  double rolled() const { return travel() * travel() / (2 * reach); }
   // Where it will be at the end of the step, kept by `contacts` from going through what they touch.
   Pose predicted(const contact::ContactSet& contacts) const;
 };

@@ -168,7 +168,7 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
       point.m_appliedImpulse = before ? before->m_appliedImpulse : 0;
       point.m_lifeTime = before ? before->m_lifeTime + 1 : 0;
       const bool was_pressed = before && before->m_appliedImpulse > 0;
-      set_touch(point, was_pressed && c.distance <= slack + approach.rolled() ? std::nullopt : met[k].touch);
+      set_touch(point, was_pressed && c.distance <= slack ? std::nullopt : met[k].touch);
       place(point, count++, body, textured);
     }
     for (std::size_t m = 0; m < manifold_count_; ++m)
