@@ -52,11 +52,14 @@ contact::ContactSet touch_of_reliefs(const TouchableShape& body, const Pose& pos
   // nearer.
   margin = std::min(margin, 0.3 * std::min(body.texel(), ground.texel()));
   if (curved_body && flat_ground)
-    return contact::curved_on_relief(curved_body->relief(), pose, flat_ground->relief(), margin);
+    return body.within_thickness(contact::curved_on_relief(curved_body->relief(), pose, flat_ground->relief(),
+                                                           margin, ground.thickness()));
   if (flat_body && curved_ground) {
     const Pose back = inverse(pose);
-    return turned_round(contact::curved_on_relief(curved_ground->relief(), back, flat_body->relief(), margin),
-                        back);
+    return ground.within_thickness(
+        turned_round(contact::curved_on_relief(curved_ground->relief(), back, flat_body->relief(), margin,
+                                               body.thickness()),
+                     back));
   }
   return {};
 }
