@@ -55,8 +55,8 @@ class TouchableShape : public btConcaveShape {
   btVector3 scaling_{1, 1, 1};
 };
 
-// Where a textured body at `pose` in the ground's frame touches it: two rectangles, or a curved body and a
-// rectangle in either role. Two curved bodies do not meet.
+// Where a textured body at `pose` in the ground's frame touches it: two rectangles, two curved bodies, or a
+// curved body and a rectangle in either role.
 contact::ContactSet touch_of_reliefs(const TouchableShape& body, const Pose& pose,
                                      const TouchableShape& ground, double margin);
 
