@@ -4,7 +4,7 @@
 //          (2 cm deep): a sphere of 5 cm radius, a capsule, a box; margin 1 mm. By triangles of the base and
 //          texels a side.
 //   step   a whole step of a plain Bullet world at 240 Hz, solver and all: a ball that rolls in a brick bowl;
-//          a brick ball on a smooth and on a brick floor.
+//          a box with bricks above and below that settles in one; a brick ball on a smooth and a brick floor.
 //   build  the relief mesh from a placed mesh, ms.
 #include <btBulletDynamicsCommon.h>
 #include <fmt/format.h>
@@ -12,6 +12,7 @@
 #include <cstring>
 #include <functional>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@
 #include "intaglio/core/random.h"
 #include "intaglio/dynamics/curved_shape.h"
 #include "intaglio/dynamics/textured_shape.h"
+#include "intaglio/dynamics/world.h"
 #include "intaglio/surface/mesh/mesh_shapes.h"
 #include "intaglio/surface/mesh/relief_closest.h"
 
@@ -139,6 +141,31 @@ void measure_bowl(int around, int size, std::vector<Row>& rows) {
   }));
 }
 
+// A box of 20 cm with bricks above and below, as dynamics::World makes it, that settles in a brick bowl.
+void measure_box(int around, int size, std::vector<Row>& rows) {
+  const auto bowl = relief_on(surface::make_bowl(0.5, around, around / 2), bricks(size, 1), 2);
+  std::unique_ptr<dynamics::World> world;
+  rows.push_back(timed("step, box with two reliefs in a bowl", bowl, 480, [&](int k) {
+    if (k % 120 == 0) {  // thrown anew
+      dynamics::WorldOptions options;
+      options.step = 1.0 / 240;
+      world = std::make_unique<dynamics::World>(bowl, *find_material("stone"), options);
+      dynamics::ShapeBody box;
+      box.shape = contact::Box{{0.08, 0.05, 0.08}};
+      box.material = *find_material("wood");
+      const Quat upside_down(Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitX()));
+      for (const surface::Placement& place : {surface::Placement({0, -0.05, 0}, upside_down, 0.16, 0.16),
+                                              surface::Placement({0, 0.05, 0}, Quat::Identity(), 0.16, 0.16)})
+        box.faces.push_back(std::make_shared<const surface::Surface>(bench::upsampled(*bricks(128, 1), 128),
+                                                                     place, 0.004, surface::Edge::clamp));
+      box.pose.position = {-0.1, -0.38, 0.05};
+      box.velocity = {0.3, 0, 0.2};
+      world->add(box);
+    }
+    world->step();
+  }));
+}
+
 void measure_ball(int around, int size, bool smooth, std::vector<Row>& rows) {
   // A ball of 20 cm across, its own bricks 4 mm deep at 256 texels.
   dynamics::CurvedShape ball(relief_on(surface::make_sphere(0.1, around, around / 2), bricks(256, 0.2), 2));
@@ -180,6 +207,8 @@ int main(int argc, char** argv) {
     measure_queries(around, size, rows);
   for (const auto& [around, size] : {std::pair{64, 512}, std::pair{256, 512}, std::pair{64, 2048}})
     measure_bowl(around, size, rows);
+  for (const auto& [around, size] : {std::pair{64, 256}, std::pair{128, 512}})
+    measure_box(around, size, rows);
   measure_ball(64, 0, true, rows);
   measure_ball(256, 0, true, rows);
   for (const auto& [around, size] : {std::pair{64, 256}, std::pair{256, 256}, std::pair{64, 1024}})

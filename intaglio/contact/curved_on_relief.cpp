@@ -25,8 +25,14 @@ struct Meeting {
   const surface::Surface& ground;
   Frame frame;
   Candidates& found;
+  double thickness;  // m, of the ground
 
   double texel() const { return std::min(ground.texel_u(), ground.texel_v()); }
+  // Nothing that is nowhere higher than `z`, in the ground's frame, can be within its thickness.
+  bool is_behind(double z) const { return z < -ground.max_depth() - thickness; }
+  void add(const Candidate& c) const {
+    if (c.distance >= -thickness) found.add(c);
+  }
   std::uint64_t name(int triangle, const Vec2& weights, int i, int j) const {
     const auto cell =
         static_cast<std::uint64_t>(static_cast<std::uint32_t>(i)) << 32 | static_cast<std::uint32_t>(j);
@@ -47,7 +53,7 @@ void on_plane(const Meeting& meeting) {
     lowest[count] = *next;
     const Vec3 at = meeting.frame(next->point);
     if (!meeting.ground.placement().covers(at)) continue;
-    meeting.found.add(
+    meeting.add(
         {Vec3(at.x(), at.y(), 0), Vec3::UnitZ(), at.z(), meeting.name(next->triangle, next->weights, 0, 0)});
   }
 }
@@ -61,11 +67,14 @@ class GroundSearch {
   double least(const surface::Box& box) const {
     const Vec3 middle = meeting_.frame(box.center());
     const Vec3 half = meeting_.frame.axes.cwiseAbs() * (0.5 * box.sizes());
+    if (meeting_.is_behind(middle.z() + half.z())) return std::numeric_limits<double>::infinity();
     return over_ground(middle.head<2>() - half.head<2>(), middle.head<2>() + half.head<2>(),
                        middle.z() - half.z());
   }
   double least(const FlatPiece& piece) const {
     const Vec3 middle = meeting_.frame(piece.middle);
+    if (meeting_.is_behind(middle.z() - piece.least_along(-up_) + piece.play))
+      return std::numeric_limits<double>::infinity();
     const Vec2 aside = Vec2::Constant(piece.radius());
     return over_ground(middle.head<2>() - aside, middle.head<2>() + aside,
                        middle.z() + piece.least_along(up_) - piece.play);
@@ -154,8 +163,8 @@ class GroundSearch {
     // A body that is under the ground is no obstacle to it: its outer side must look at the ground's.
     const Vec3 outwards = meeting_.frame.axes * piece.base_normal(at);
     if (outwards.dot(nearest->direction) >= 0) return;
-    meeting_.found.add({nearest->point, nearest->direction, nearest->distance,
-                        meeting_.name(piece.triangle.index, at, nearest->cell_i, nearest->cell_j)});
+    meeting_.add({nearest->point, nearest->direction, nearest->distance,
+                  meeting_.name(piece.triangle.index, at, nearest->cell_i, nearest->cell_j)});
   }
 
   const Meeting& meeting_;
@@ -191,14 +200,14 @@ void add_texels(const Meeting& meeting) {
     if (!f || f->distance >= 0 || !ground.placement().covers(at)) continue;
     const Vec3 normal = meeting.frame.axes * -f->direction;
     if (normal.z() > 1e-3)
-      meeting.found.add({at, normal, f->distance, meeting.name(f->triangle, f->weights, i, j)});
+      meeting.add({at, normal, f->distance, meeting.name(f->triangle, f->weights, i, j)});
   }
 }
 
 }  // namespace
 
 ContactSet curved_on_relief(const ReliefMesh& body, const Pose& pose, const surface::Surface& ground,
-                            double margin) {
+                            double margin, double thickness) {
   ContactSet set;
   if (!is_rigid(pose)) {
     set.status = status::bad_pose;
@@ -217,7 +226,7 @@ ContactSet curved_on_relief(const ReliefMesh& body, const Pose& pose, const surf
   const Mat3 turn = pose.orientation.normalized().toRotationMatrix();
   Frame frame{Mat3(), origin};
   for (int k = 0; k < 3; ++k) frame.axes.col(k) = place.direction_to_local(turn.col(k));
-  const Meeting meeting{body, ground, frame, found};
+  const Meeting meeting{body, ground, frame, found, thickness};
   const surface::Box bounds = body.bounds();
   const Vec3 middle = frame(bounds.center());
   const double reach = 0.5 * bounds.sizes().norm() + margin;
@@ -227,8 +236,10 @@ ContactSet curved_on_relief(const ReliefMesh& body, const Pose& pose, const surf
     return set;
   }
   if (middle.z() > reach) return set;
+  if (!(thickness >= 0)) thickness = 0;
   if (middle.z() < -ground.max_depth() - reach) {
-    set.status |= status::under;
+    // What is under the back of a ground is not under the ground.
+    if (std::isinf(thickness)) set.status |= status::under;
     return set;
   }
   if (ground.is_flat()) {

@@ -11,8 +11,14 @@
 // piece, so what may be missed is a second, lower one within the same texel: in 2000 poses of the test by
 // 0.01 of a texel at most, 0.0002 on the mean (docs/curved.md). On a flat ground nothing is missed.
 //
-// Cost: the pieces within the margin, some 5 us each; keep the margin below a texel.
+// A ground that is only so thick, the relief on one side of a box, has a back: what of the body is lower than
+// its deepest place by more than `thickness`, or deeper in it, is behind it, and is not looked at.
+//
+// Cost: the pieces within the margin, or in the ground, some 5 us each; keep the margin below a texel, and of
+// a ground with a back say how thick it is: else all that is behind counts as in it.
 #pragma once
+
+#include <limits>
 
 #include "intaglio/contact/contact_point.h"
 #include "intaglio/surface/mesh/relief_mesh.h"
@@ -22,6 +28,6 @@ namespace intaglio::contact {
 // Contacts that push the body away from the ground; the body is at `pose` in the ground's world. Points, uv
 // and n_s are of the ground. Only the rectangle counts. `margin` is limited to its shorter side.
 ContactSet curved_on_relief(const surface::ReliefMesh& body, const Pose& pose, const surface::Surface& ground,
-                            double margin);
+                            double margin, double thickness = std::numeric_limits<double>::infinity());
 
 }  // namespace intaglio::contact

@@ -105,7 +105,6 @@ bool add_met(const TouchableShape& shape, const contact::Shape& body, const Appr
     // The point of the body that would be inside, where it is now: how far before the plane that it meets?
     const Vec3 touching = approach.pose.to_world(later.to_local(c.point + c.distance * c.normal));
     c.distance = c.normal.dot(touching - c.point);
-    c.distance = std::max(c.distance, 0.0);
     contacts.points[contacts.count++] = c;
   }
   return contacts.count > before;
@@ -113,8 +112,8 @@ bool add_met(const TouchableShape& shape, const contact::Shape& body, const Appr
 
 }  // namespace
 
-contact::ContactSet contacts_ahead(const TouchableShape& shape, const contact::Shape& body,
-                                   const Approach& approach, double slack) {
+Ahead contacts_ahead(const TouchableShape& shape, const contact::Shape& body, const Approach& approach,
+                     double slack) {
   const double travel = approach.travel();
   // On a flat rectangle nothing new lies ahead.
   if (shape.is_plane())
@@ -123,7 +122,7 @@ contact::ContactSet contacts_ahead(const TouchableShape& shape, const contact::S
   // The wider the margin the longer the search, and what lies ahead is found by looking there. Only who moves
   // so far that it could end up behind the surface looks all the way.
   const double margin = travel < 0.5 * approach.reach ? std::min(travel + slack, 0.3 * texel) : travel;
-  contact::ContactSet now = shape.contacts(body, approach.pose, std::min(margin, shape.look_ahead()));
+  Ahead now = shape.contacts(body, approach.pose, std::min(margin, shape.look_ahead()));
   if (travel < 0.25 * texel || now.count == contact::ContactSet::capacity) return now;
   // What is added may turn the body into something else: look again, a few times. Of a body that is in the
   // surface already and cannot leave it within the step, it does not.

@@ -32,10 +32,18 @@ struct Approach {
   Pose predicted(const contact::ContactSet& contacts) const;
 };
 
+// Contacts; the first `now` are where the body is now, the others where it would be at the end of the step:
+// the distance to their plane, negative where the body is behind it already.
+struct Ahead : contact::ContactSet {
+  std::size_t now = 0;
+  Ahead() = default;
+  Ahead(const contact::ContactSet& set) : contact::ContactSet(set), now(set.count) {}
+};
+
 // Where `body` touches or will touch in the step. Contacts where it is now, and those that it would run into:
 // where it will be, it is looked at again, and what it then is in by more than `slack` is added as the plane
 // that it meets.
-contact::ContactSet contacts_ahead(const TouchableShape& shape, const contact::Shape& body,
-                                   const Approach& approach, double slack);
+Ahead contacts_ahead(const TouchableShape& shape, const contact::Shape& body, const Approach& approach,
+                     double slack);
 
 }  // namespace intaglio::dynamics

@@ -8,7 +8,8 @@
 // The mesh's coordinates are those of the shape: for a body that moves, its origin is the centre of mass, and
 // its axes should be principal. Meets Bullet's shapes as contact/curved_relief.h says (not
 // btStaticPlaneShape: use a TexturedShape without relief), and a TexturedShape as curved_on_relief.h says,
-// either moving; two curved shapes do not meet. Ray casts meet the mesh with its corners moved to the relief.
+// either moving, and another CurvedShape as curved_on_curved.h says, which is dear. Ray casts meet the mesh
+// with its corners moved to the relief.
 //
 // Includes Bullet (3.24, single precision). One thread at a time.
 #pragma once

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "intaglio/dynamics/approach.h"
+#include "intaglio/dynamics/bounce.h"
 #include "intaglio/dynamics/bullet_shape.h"
 #include "intaglio/dynamics/bullet_vec.h"
 #include "intaglio/dynamics/textured_shape.h"
@@ -12,32 +13,6 @@
 namespace intaglio::dynamics {
 
 namespace {
-
-constexpr double least_closing = 1e-3;  // m/s, of a touch that has a time
-
-// A contact bounces when it is approached faster than gravity makes it in two steps; slower ones would
-// chatter.
-double bounce_speed(const btRigidBody* body, double dt) {
-  return std::max(0.02, body == nullptr ? 0.0 : 2 * dt * static_cast<double>(body->getGravity().length()));
-}
-
-// When a contact that was not pressed before closes, s after the step's start: up to half a step before it,
-// when it bounces late. A body that contacts hold comes at the speed that they leave it; one that flies, on
-// the parabola through where it is at the ends of steps (steps end with the speed of their end, half a step's
-// gain too much).
-std::optional<double> touch_time(const contact::ContactPoint& c, const Approach& approach,
-                                 const Vec3& held_velocity, double slack) {
-  const bool flies = held_velocity == approach.velocity || c.distance <= slack;
-  const Vec3 velocity = flies ? Vec3(approach.velocity - 0.5 * approach.gain) : held_velocity;
-  const double closing = -(velocity + approach.spin.cross(c.point - approach.pose.position)).dot(c.normal);
-  // What lies still on one texel after the other presses anew on each, with no more speed than a step's fall.
-  const double still =
-      c.distance > slack ? 0 : 0.5 * approach.gain.norm() + std::max(0.0, -approach.gain.dot(c.normal));
-  if (!(closing > least_closing + still)) return std::nullopt;
-  const double gain = flies ? -approach.gain.dot(c.normal) / approach.dt : 0;
-  const double root = std::sqrt(std::max(0.0, closing * closing + 2 * gain * c.distance));
-  return std::clamp(2 * c.distance / (closing + root), -0.5 * approach.dt, approach.dt);
-}
 
 // What the pair's contacts share: Bullet's rules of combination.
 btManifoldPoint combined(const btCollisionObject& body, const btCollisionObject& textured) {
@@ -57,6 +32,12 @@ void set_feature(btManifoldPoint& point, std::uint64_t feature) {
 bool has_feature(const btManifoldPoint& point, std::uint64_t feature) {
   return static_cast<std::uint32_t>(point.m_partId1) == static_cast<std::uint32_t>(feature >> 32) &&
          static_cast<std::uint32_t>(point.m_index1) == static_cast<std::uint32_t>(feature);
+}
+
+// m/s^2, on what bounces.
+double gravity_of(const btCollisionObject& object) {
+  const btRigidBody* body = btRigidBody::upcast(&object);
+  return body == nullptr ? 0 : static_cast<double>(body->getGravity().length());
 }
 
 class SurfaceAlgorithm : public btCollisionAlgorithm {
@@ -83,7 +64,7 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
     if (reports_) return report(shape, body, textured, *result);
     const Approach approach(body, textured, static_cast<double>(info.m_timeStep));
     const double slack = 0.01 * std::min(shape.texel(), approach.reach);
-    contact::ContactSet contacts;
+    Ahead contacts;
     if (is_near(shape, approach)) contacts = contacts_of(shape, approach, slack);
     if (relief_ != nullptr || (is_free(body) && is_free(textured))) leave_alone(contacts, slack);
     fill(contacts, approach, slack, *body.getCollisionObject(), *textured.getCollisionObject(),
@@ -102,7 +83,17 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
   static constexpr std::size_t per_manifold = MANIFOLD_CACHE_SIZE;
   static constexpr std::size_t most_manifolds =
       (contact::ContactSet::capacity + per_manifold - 1) / per_manifold;
-  using OldPoints = std::array<btManifoldPoint, most_manifolds * per_manifold>;
+  // Those of the step before.
+  struct OldPoints {
+    std::array<btManifoldPoint, most_manifolds * per_manifold> points;
+    std::size_t count = 0;
+
+    const btManifoldPoint* find(std::uint64_t feature) const {
+      for (std::size_t k = 0; k < count; ++k)
+        if (has_feature(points[k], feature)) return &points[k];
+      return nullptr;
+    }
+  };
 
   // The body is A whatever the order of the pair, so that impulses always read as "on the body".
   void add_manifold(const btCollisionObject& body, const btCollisionObject& textured) {
@@ -128,7 +119,7 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
       if (double& d = contacts.points[k].distance; d < 0) d = std::min(d + overlap, 0.0);
   }
 
-  contact::ContactSet contacts_of(const TouchableShape& shape, const Approach& approach, double slack) const {
+  Ahead contacts_of(const TouchableShape& shape, const Approach& approach, double slack) const {
     if (relief_ == nullptr) return contacts_ahead(shape, shape_, approach, slack);
     return touch_of_reliefs(*relief_, approach.pose, shape,
                             std::min(approach.travel() + slack, shape.texel()));
@@ -151,61 +142,57 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
     }
   }
 
-  void fill(const contact::ContactSet& contacts, const Approach& approach, double slack,
-            const btCollisionObject& body, const btCollisionObject& textured, const btTransform& frame) {
-    // Rebuilt each step, or Bullet's cached points would keep stale normals; impulses stay with their
-    // feature.
-    OldPoints old;
-    std::size_t old_count = 0;
-    for (std::size_t m = 0; m < manifold_count_; ++m) {
-      for (int k = 0; k < manifolds_[m]->getNumContacts(); ++k)
-        old[old_count++] = manifolds_[m]->getContactPoint(k);
-    }
+  // Rebuilt each step, or Bullet's cached points would keep stale normals; impulses stay with their feature.
+  void fill(const Ahead& contacts, const Approach& approach, double slack, const btCollisionObject& body,
+            const btCollisionObject& textured, const btTransform& frame) {
+    const OldPoints old = old_points();
     btManifoldPoint point = combined(body, textured);
-    const double bounces_from = bounce_speed(btRigidBody::upcast(&body), approach.dt);
-    const Vec3 held = approach.held_velocity(contacts, slack);
+    const Meetings met = meetings(contacts, approach, static_cast<double>(point.m_combinedRestitution),
+                                  least_bounce(gravity_of(body), approach.dt), slack);
     std::size_t count = 0;
-    for (const contact::ContactPoint& c : contacts) {
-      double distance = c.distance;
+    for (std::size_t k = 0; k < contacts.count; ++k) {
+      const contact::ContactPoint& c = contacts.points[k];
+      const btManifoldPoint* before = old.find(c.feature);
       // What was not there a step ago cannot be deeper than the body has come since.
-      const bool is_old = std::any_of(old.begin(), old.begin() + static_cast<std::ptrdiff_t>(old_count),
-                                      [&](const btManifoldPoint& p) { return has_feature(p, c.feature); });
-      if (!is_old && old_count > 0 && contacts.count > 1 &&
-          distance < -(approach.travel() + 0.02 * approach.reach))
-        continue;
-      // A contact that bounces must do so at full speed, not be braked softly ahead of the touch as Bullet
-      // does with positive distances: it happens in whichever step ends nearest to the touch.
-      const double speed = -approach.velocity_at(c.point).dot(c.normal);
-      if (point.m_combinedRestitution > 0 && speed > bounces_from) {
-        if (distance > 0.5 * speed * approach.dt) continue;
-        distance = std::min(distance, 0.0);
-      }
+      const bool is_new = before == nullptr && old.count > 0 && contacts.count > 1;
+      if (is_new && met[k].distance < -(approach.travel() + 0.02 * approach.reach)) continue;
+      if (met[k].waits) continue;
+      point.m_combinedRestitution = static_cast<btScalar>(met[k].restitution);
       point.m_normalWorldOnB = frame.getBasis() * to_bullet(c.normal);
       point.m_positionWorldOnB = frame(to_bullet(c.point));
-      point.m_distance1 = static_cast<btScalar>(distance);
+      point.m_distance1 = static_cast<btScalar>(met[k].distance);
       point.m_positionWorldOnA = point.m_positionWorldOnB + point.m_normalWorldOnB * point.m_distance1;
       point.m_localPointA = body.getWorldTransform().invXform(point.m_positionWorldOnA);
       point.m_localPointB = textured.getWorldTransform().invXform(point.m_positionWorldOnB);
       set_feature(point, c.feature);
-      set_touch(point, touch_time(c, approach, held, slack));
-      point.m_appliedImpulse = 0;
-      point.m_lifeTime = 0;
-      for (std::size_t k = 0; k < old_count; ++k) {
-        if (!has_feature(old[k], c.feature)) continue;
-        if (old[k].m_appliedImpulse > 0 && c.distance <= slack) set_touch(point, std::nullopt);
-        point.m_appliedImpulse = old[k].m_appliedImpulse;
-        point.m_lifeTime = old[k].m_lifeTime + 1;
-      }
-      const std::size_t m = count / per_manifold, at = count % per_manifold;
-      if (m == manifold_count_) add_manifold(body, textured);
-      manifolds_[m]->setNumContacts(static_cast<int>(at) + 1);
-      manifolds_[m]->getContactPoint(static_cast<int>(at)) = point;
-      ++count;
+      point.m_appliedImpulse = before ? before->m_appliedImpulse : 0;
+      point.m_lifeTime = before ? before->m_lifeTime + 1 : 0;
+      const bool was_pressed = before && before->m_appliedImpulse > 0;
+      set_touch(point, was_pressed && c.distance <= slack ? std::nullopt : met[k].touch);
+      place(point, count++, body, textured);
     }
     for (std::size_t m = 0; m < manifold_count_; ++m)
       manifolds_[m]->setNumContacts(
           static_cast<int>(std::min(count - std::min(count, m * per_manifold), per_manifold)));
-    tell(old_count, count);
+    tell(old.count, count);
+  }
+
+  OldPoints old_points() const {
+    OldPoints old;
+    for (std::size_t m = 0; m < manifold_count_; ++m) {
+      for (int k = 0; k < manifolds_[m]->getNumContacts(); ++k)
+        old.points[old.count++] = manifolds_[m]->getContactPoint(k);
+    }
+    return old;
+  }
+
+  // As the `k`-th of the pair.
+  void place(const btManifoldPoint& point, std::size_t k, const btCollisionObject& body,
+             const btCollisionObject& textured) {
+    const std::size_t m = k / per_manifold, at = k % per_manifold;
+    if (m == manifold_count_) add_manifold(body, textured);
+    manifolds_[m]->setNumContacts(static_cast<int>(at) + 1);
+    manifolds_[m]->getContactPoint(static_cast<int>(at)) = point;
   }
 
   // Bullet's listeners, as its own algorithms tell them.

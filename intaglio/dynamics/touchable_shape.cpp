@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "intaglio/contact/curved_on_curved.h"
 #include "intaglio/contact/curved_on_relief.h"
 #include "intaglio/contact/relief_relief.h"
 #include "intaglio/dynamics/curved_shape.h"
@@ -52,11 +53,20 @@ contact::ContactSet touch_of_reliefs(const TouchableShape& body, const Pose& pos
   // nearer.
   margin = std::min(margin, 0.3 * std::min(body.texel(), ground.texel()));
   if (curved_body && flat_ground)
-    return contact::curved_on_relief(curved_body->relief(), pose, flat_ground->relief(), margin);
+    return body.within_thickness(contact::curved_on_relief(curved_body->relief(), pose, flat_ground->relief(),
+                                                           margin, ground.thickness()));
   if (flat_body && curved_ground) {
     const Pose back = inverse(pose);
-    return turned_round(contact::curved_on_relief(curved_ground->relief(), back, flat_body->relief(), margin),
-                        back);
+    return ground.within_thickness(
+        turned_round(contact::curved_on_relief(curved_ground->relief(), back, flat_body->relief(), margin,
+                                               body.thickness()),
+                     back));
+  }
+  if (curved_body && curved_ground) {
+    // So deep that nothing falls through from step to step, and not so deep that all of a small body is in.
+    const double size = curved_body->relief().bounds().sizes().minCoeff();
+    const double depth = std::min({0.25 * size, body.thickness(), ground.thickness()});
+    return contact::curved_on_curved(curved_body->relief(), pose, curved_ground->relief(), margin, depth);
   }
   return {};
 }

@@ -30,6 +30,9 @@ class TouchableShape : public btConcaveShape {
   virtual double texel() const = 0;
   // Whether contacts are those of a plane, whatever their normals.
   virtual bool is_plane() const { return false; }
+  double thickness() const { return thickness_; }
+  // Without what is deeper than the shape is thick.
+  contact::ContactSet within_thickness(contact::ContactSet set) const;
   // How far ahead contacts may be asked for, metres: bodies farther off are not looked at.
   double look_ahead() const { return look_ahead_; }
   bool is_near(const btVector3& low, const btVector3& high) const {
@@ -44,9 +47,6 @@ class TouchableShape : public btConcaveShape {
   const btVector3& getLocalScaling() const override { return scaling_; }
 
  protected:
-  // Without what is deeper than the shape is thick.
-  contact::ContactSet within_thickness(contact::ContactSet set) const;
-
   double look_ahead_ = 0;
   btVector3 low_{0, 0, 0}, high_{0, 0, 0};  // what bodies are looked for in, in this shape's frame
 
@@ -55,8 +55,8 @@ class TouchableShape : public btConcaveShape {
   btVector3 scaling_{1, 1, 1};
 };
 
-// Where a textured body at `pose` in the ground's frame touches it: two rectangles, or a curved body and a
-// rectangle in either role. Two curved bodies do not meet.
+// Where a textured body at `pose` in the ground's frame touches it: two rectangles, two curved bodies, or a
+// curved body and a rectangle in either role.
 contact::ContactSet touch_of_reliefs(const TouchableShape& body, const Pose& pose,
                                      const TouchableShape& ground, double margin);
 

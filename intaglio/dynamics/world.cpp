@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "intaglio/dynamics/bounce.h"
 #include "intaglio/dynamics/world_state.h"
 
 namespace intaglio::dynamics {
@@ -16,8 +17,6 @@ World::State::State(std::unique_ptr<Ground> made, const Material& material, cons
     drawn.emplace(*floor->surface, flat->relief(), flat->mean_slope());
   world.setGravity(to_bullet(options.gravity));
   btContactSolverInfo& info = world.getSolverInfo();
-  info.m_restitutionVelocityThreshold =
-      static_cast<btScalar>(std::max(0.02, 2 * options.gravity.norm() * options.step));
   info.m_numIterations = 30;
   // Penetration is undone by moving bodies, never by pushing them: a push is energy from nowhere.
   info.m_splitImpulse = 1;
@@ -86,6 +85,8 @@ void World::State::advance(double dt) {
     body.energy_before = energy(*body.rigid);
     body.was_awake = body.rigid->isActive();
   }
+  world.getSolverInfo().m_restitutionVelocityThreshold =
+      static_cast<btScalar>(least_seen(least_bounce(options.gravity.norm(), dt)));
   world.stepSimulation(static_cast<btScalar>(dt), 0);
   time += dt;
   collect(dt);

@@ -160,3 +160,32 @@ TEST_CASE("a relief ball and a floor moved together: the same; odd questions get
   CHECK(curved_on_relief(pair.body, {Vec3::Zero(), Quat(0, 0, 0, 0)}, *pair.ground, 0).status ==
         status::bad_pose);
 }
+
+TEST_CASE("a ground that is only so thick: the same contacts less those behind it, and none from its back") {
+  for (const Pair& pair : pairs()) {
+    Random random(83);
+    const double texel = pair.ground->is_flat() ? pair.body.texel() : pair.ground->texel_u();
+    const double thickness = 2 * texel, margin = 0.3 * texel;
+    int same = 0, behind = 0;
+    for (int k = 0; k < tests::poses(20, 500); ++k) {
+      Pose pose = near_ground(random, pair, -texel, 0.2 * texel);
+      const ContactSet whole = curved_on_relief(pair.body, pose, *pair.ground, margin);
+      const ContactSet thick = curved_on_relief(pair.body, pose, *pair.ground, margin, thickness);
+      const bool is_shallow = whole.count > 0 && whole.points[0].distance > -thickness;
+      if (is_shallow) {
+        ++same;
+        REQUIRE(thick.count > 0);
+        CHECK(thick.points[0].distance == whole.points[0].distance);
+        CHECK((thick.points[0].point - whole.points[0].point).norm() == 0);
+      }
+      for (const ContactPoint& c : thick) CHECK(c.distance >= -thickness);
+      // Wholly below the back.
+      pose.position.y() = -0.1 - pair.ground->max_depth() - 1.5 * thickness - random.uniform(0.02, 0.1);
+      const ContactSet none = curved_on_relief(pair.body, pose, *pair.ground, margin, thickness);
+      CHECK(none.count == 0);
+      CHECK((none.status & status::under) == 0);
+      ++behind;
+    }
+    CHECK(same > behind / 3);
+  }
+}
