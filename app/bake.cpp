@@ -100,7 +100,8 @@ Result<Body> make_elements(const BakeArguments& options, const Material& materia
   if (!surface) return tl::unexpected(surface.error());
   if (options.shell == "springs") return Body{{{}, 0, surface->notes}, surface->points.size(), *surface};
   sound::FillOptions fill{size_for(surface->volume, surface->area), options.elements};
-  if (!(options.element_size > 0) && sound::has_skew_edges(*surface, fill.element_size))
+  const bool keeps_edges = options.thickness == 0 && surface->is_closed();
+  if (keeps_edges && !(options.element_size > 0) && sound::has_skew_edges(*surface, fill.element_size))
     fill.element_size *= sound::at_skew_edges;
   const auto mesher = options.mesher == "netgen"    ? sound::Mesher::netgen
                       : options.mesher == "lattice" ? sound::Mesher::lattice
@@ -257,7 +258,7 @@ void add_bake(CLI::App& app, Common& common) {
       ->check(CLI::Range(100, 1'000'000))
       ->capture_default_str();
   verb->add_option("--element-size", options->element_size,
-                   "Metres; by default a fifth of the shortest wave, which is all that the modes need")
+                   "Metres; by default a quarter of the shortest wave that is wanted, of thin bodies a fifth")
       ->check(CLI::Range(1e-5, 10.0));
   verb->add_option("--nodes", options->nodes, "Of an element: 10 (quadratic) or 4 (linear, sharp in pitch)")
       ->check(CLI::IsMember({4, 10}))

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int format_version = 2;  // of baking itself: raised when models come out differently
+constexpr int format_version = 3;  // of baking itself: raised when models come out differently
 
 bool is_mesh(const fs::path& path) {
   std::string extension = path.extension().string();

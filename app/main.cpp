@@ -43,7 +43,7 @@ std::optional<std::string> unbounded(int argc, char** argv) {
 int empty_argument(int argc, char** argv) {
   for (int k = 1; k < argc; ++k) {
     const std::string_view word = argv[k];
-    if (word.empty() || (word.starts_with("--") && word.ends_with("="))) return k;
+    if (word.empty() || (word.starts_with("--") && word.find('=') == word.size() - 1)) return k;
   }
   return 0;
 }

@@ -21,9 +21,8 @@ constexpr double nowhere = std::numeric_limits<double>::infinity();
 
 class MeshSearch {
  public:
-  MeshSearch(const ReliefMesh& body, const Pose& pose, const ReliefMesh& ground, double depth,
-             Candidates& found)
-      : body_(body), pose_(pose), ground_(ground), depth_(depth), found_(found) {}
+  MeshSearch(const Pose& pose, const ReliefMesh& ground, double depth, Candidates& found)
+      : pose_(pose), ground_(ground), depth_(depth), found_(found) {}
 
   double limit() const { return found_.limit() + 1e-300; }
   double least(const surface::Box& box) const { return least(box.center(), 0.5 * box.sizes().norm()); }
@@ -103,7 +102,6 @@ class MeshSearch {
                                   (index >> 8) & 63)});
   }
 
-  const ReliefMesh& body_;
   const Pose& pose_;
   const ReliefMesh& ground_;
   double depth_;
@@ -129,7 +127,7 @@ ContactSet curved_on_curved(const ReliefMesh& body, const Pose& pose, const Reli
   depth = depth > 0 ? std::min(depth, side) : 0;
   Candidates found(margin);
   const Pose unit{pose.position, pose.orientation.normalized()};
-  MeshSearch search(body, unit, ground, depth, found);
+  MeshSearch search(unit, ground, depth, found);
   body.walk(search);
   if (found.overflowed()) set.status |= status::limit;
   report(ground, found, set);

@@ -226,6 +226,7 @@ ContactSet curved_on_relief(const ReliefMesh& body, const Pose& pose, const surf
   const Mat3 turn = pose.orientation.normalized().toRotationMatrix();
   Frame frame{Mat3(), origin};
   for (int k = 0; k < 3; ++k) frame.axes.col(k) = place.direction_to_local(turn.col(k));
+  if (!(thickness >= 0)) thickness = 0;
   const Meeting meeting{body, ground, frame, found, thickness};
   const surface::Box bounds = body.bounds();
   const Vec3 middle = frame(bounds.center());
@@ -236,7 +237,6 @@ ContactSet curved_on_relief(const ReliefMesh& body, const Pose& pose, const surf
     return set;
   }
   if (middle.z() > reach) return set;
-  if (!(thickness >= 0)) thickness = 0;
   if (middle.z() < -ground.max_depth() - reach) {
     // What is under the back of a ground is not under the ground.
     if (std::isinf(thickness)) set.status |= status::under;

@@ -19,7 +19,7 @@ class TouchableShape : public btConcaveShape {
 
   // Bullet looks algorithms up by this number, and knows that such a shape is concave. What is under the
   // relief by more than `thickness` metres is behind the shape, not in it.
-  explicit TouchableShape(double thickness = solid) : thickness_(thickness) {
+  explicit TouchableShape(double thickness = solid) : thickness_(thickness >= 0 ? thickness : solid) {
     m_shapeType = CUSTOM_CONCAVE_SHAPE_TYPE;
     m_collisionMargin = 0;
   }

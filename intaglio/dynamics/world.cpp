@@ -73,8 +73,25 @@ void World::step() {
   for (State::Body& body : s.bodies) body.status &= ~slowed;
   const int count = s.substeps();
   const double dt = s.options.step / count;
-  for (int k = 0; k < count; ++k) s.advance(dt);
+  for (int k = 0; k < count; ++k) {
+    s.drive(1.0 / (count - k));
+    s.advance(dt);
+  }
   s.time = static_cast<double>(++s.steps) * s.options.step;
+}
+
+void World::State::drive(double share) {
+  for (Body& body : bodies) {
+    if (!body.goal) continue;
+    const btTransform from = body.rigid->getWorldTransform();
+    const auto t = static_cast<btScalar>(share);
+    const bool arrives = share == 1;
+    // Bullet takes the speed of a kinematic body from where it was a step ago.
+    body.rigid->setWorldTransform(arrives ? *body.goal
+                                          : btTransform(from.getRotation().slerp(body.goal->getRotation(), t),
+                                                        from.getOrigin().lerp(body.goal->getOrigin(), t)));
+    if (arrives) body.goal.reset();
+  }
 }
 
 void World::State::advance(double dt) {
@@ -136,8 +153,7 @@ void World::drive(BodyId body, const Pose& pose) {
   State::Body& driven = state_->body(body);
   if (driven.motion != Motion::driven || !driven.is_simulated()) return;
   const Quat axes = pose.orientation * driven.held.orientation.conjugate();
-  // Bullet takes the speed of a kinematic body from where it was a step ago.
-  driven.rigid->setWorldTransform(to_bullet(Pose{pose.position - axes * driven.held.position, axes}));
+  driven.goal = to_bullet(Pose{pose.position - axes * driven.held.position, axes});
 }
 unsigned World::status(BodyId body) const {
   return state_->body(body).status;

@@ -90,6 +90,7 @@ BodyId World::add(const ShapeBody& body) {
 }
 
 void World::State::place(Body& body, const Pose& at, const Vec3& velocity, const Vec3& angular_velocity) {
+  body.goal.reset();
   Pose pose{at.position, at.orientation.normalized()};
   if (drawn && body.is_simulated()) pose = drawn->simulated(body.shape, pose);
   const Quat axes = pose.orientation * body.held.orientation.conjugate();

@@ -40,6 +40,7 @@ struct World::State {
     double energy_before = 0;  // J
     unsigned status = 0;
     Motion motion = Motion::free;
+    std::optional<btTransform> goal;  // of one that is driven, at the end of the step
     std::vector<Touch> touches;
     bool on_ground = false, met_another = false;  // in this step
     bool was_awake = false;                       // before it: Bullet lets gravity pull on no other
@@ -107,6 +108,8 @@ struct World::State {
   }
   Pose drawn_pose(const Body& b) const { return drawn ? drawn->pose(b.shape, pose(b)) : pose(b); }
   void advance(double dt);
+  // Each driven body goes that share of the way that is left to it.
+  void drive(double share);
   int substeps() const;
   // The paper's normal substitution, which knows no energy.
   bool is_literal() const {

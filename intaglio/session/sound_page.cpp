@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <map>
 
@@ -73,14 +74,18 @@ Result<void> check_textures(const std::vector<std::string>& textures) {
   return {};
 }
 
-// What was written goes away again unless keep() is called.
+// What was not there before goes away again unless keep() is called.
 class Written {
  public:
   ~Written() {
     std::error_code ignored;
     for (const fs::path& path : paths_) fs::remove(path, ignored);
   }
-  void add(const fs::path& path) { paths_.push_back(path); }
+  // Before it is written.
+  void add(const fs::path& path) {
+    std::error_code ignored;
+    if (!fs::exists(path, ignored)) paths_.push_back(path);
+  }
   void keep() { paths_.clear(); }
 
  private:
@@ -107,14 +112,25 @@ Result<Sound> make_sound(const SoundPageJob& job, const std::string& texture, To
   sound.centre_hz /= power;
   for (float& x : audio) x *= peak_shown / float(peak);
   const auto path = [&](const char* extension) { return job.folder / (sound.file + extension); };
+  written.add(path(".png"));
   if (auto done = write_file(path(".png"), encode_png(picture(spectrogram, recording->duration))); !done)
     return tl::unexpected(done.error());
-  written.add(path(".png"));
+  written.add(path(".mp3"));
   if (auto done = sound::write_wav(path(".mp3"), audio, recording->sample_rate, {sound::WavFormat::mp3});
       !done)
     return tl::unexpected(done.error());
-  written.add(path(".mp3"));
   return sound;
+}
+
+// As an address.
+std::string encoded(const std::string& name) {
+  std::string out;
+  for (const char c : name) {
+    const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+                          std::string_view("-_.~").find(c) != std::string_view::npos;
+    out += is_plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return out;
 }
 
 std::string cell(const Sound& sound) {
@@ -122,7 +138,7 @@ std::string cell(const Sound& sound) {
       "<td><img src=\"{0}.png\" width=\"{1}\" height=\"{2}\" alt=\"spectrogram\"><br>"
       "<audio controls preload=\"none\" src=\"{0}.mp3\"></audio><br>"
       "<small>{3:.0f} dB SPL peak, centre {4:.1f} kHz</small></td>\n",
-      escaped(sound.file), picture_width, picture_height, sound.peak_db, sound.centre_hz / 1000);
+      encoded(sound.file), picture_width, picture_height, sound.peak_db, sound.centre_hz / 1000);
 }
 
 constexpr const char* head =

@@ -8,6 +8,7 @@ namespace intaglio::sound {
 
 namespace {
 
+constexpr int rigid_modes = 6;                                // which the law counts too
 constexpr double in_a_shear_wave = 4, in_a_bending_wave = 5;  // elements
 
 // Below which a solid has `count` modes by Weyl's law: of shear and pressure waves in its volume, and those
@@ -27,14 +28,15 @@ double last_of_solid(double volume, double area, double shear_speed, double pois
 }  // namespace
 
 double element_size(double volume, double area, const Material& material, const ModeOptions& modes) {
+  const int count = modes.count + rigid_modes;
   const double shear_speed = std::sqrt(material.shear_modulus() / material.density);
   const double plate_speed = std::sqrt(material.youngs_modulus / material.density /
                                        (1 - material.poisson_ratio * material.poisson_ratio));
-  const double last = std::min(modes.max_frequency,
-                               last_of_solid(volume, area, shear_speed, material.poisson_ratio, modes.count));
+  const double last =
+      std::min(modes.max_frequency, last_of_solid(volume, area, shear_speed, material.poisson_ratio, count));
   const double shear = shear_speed / last;
   const double bending = std::sqrt(1.8 * plate_speed * (2 * volume / area) / modes.max_frequency);
-  const double last_bending = std::sqrt(std::numbers::pi * 0.5 * area / modes.count);
+  const double last_bending = std::sqrt(std::numbers::pi * 0.5 * area / count);
   return std::max(std::min(shear / in_a_shear_wave, bending / in_a_bending_wave),
                   last_bending / in_a_bending_wave);
 }

@@ -194,7 +194,12 @@ Result<FilledSurface> fill_surface(const BodySurface& body, const FillOptions& o
   }
   if (body.thickness == 0 && body.is_closed()) {
     // Finer ones than elements, a relief's, are not followed.
-    const std::vector<SharpEdge> sharp = sharp_edges_of(body);
+    std::vector<SharpEdge> sharp = sharp_edges_of(body);
+    // Nor those that other shells enclose: on both sides of them is matter.
+    std::erase_if(sharp, [&](const SharpEdge& e) {
+      const Vec3 middle = 0.5 * (body.points[std::size_t(e.from)] + body.points[std::size_t(e.to)]);
+      return winding.at(middle + 1e-3 * filled.element_size * (e.left + e.right).normalized()) > 0.5;
+    });
     if (!sharp.empty() && length_of(sharp, body) * filled.element_size < body.area)
       keep_edges(corners, SharpEdges(body, sharp, filled.element_size), *surface, filled.element_size);
   }

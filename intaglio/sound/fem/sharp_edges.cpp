@@ -11,14 +11,18 @@ namespace {
 
 constexpr double sharp_cosine = 0.866;   // of the angle between normals: 30 degrees
 constexpr double corner_cosine = 0.766;  // of the turn of an edge: 40 degrees
+constexpr double thinnest = 1e-4;        // triangle, over the square of its longest side: others face nowhere
 
 }  // namespace
 
 std::vector<SharpEdge> sharp_edges_of(const BodySurface& body) {
+  // Zero of one that is too thin to have any.
   const auto normal = [&](std::size_t t) {
     const auto& [a, b, c] = body.triangles[t];
     const Vec3& o = body.points[std::size_t(a)];
-    return Vec3((body.points[std::size_t(b)] - o).cross(body.points[std::size_t(c)] - o).normalized());
+    const Vec3 p = body.points[std::size_t(b)] - o, q = body.points[std::size_t(c)] - o, n = p.cross(q);
+    const double longest = std::max({p.squaredNorm(), q.squaredNorm(), (p - q).squaredNorm()});
+    return n.norm() > thinnest * longest ? Vec3(n.normalized()) : Vec3(Vec3::Zero());
   };
   struct Side {
     std::pair<int, int> edge;
@@ -35,11 +39,12 @@ std::vector<SharpEdge> sharp_edges_of(const BodySurface& body) {
   }
   std::sort(sides.begin(), sides.end());
   std::vector<SharpEdge> sharp;
-  for (std::size_t k = 1; k < sides.size(); ++k) {
-    const auto& [from, to] = sides[k].edge;
-    if (sides[k].edge != sides[k - 1].edge) continue;
-    const Vec3 left = normal(sides[k - 1].triangle), right = normal(sides[k].triangle);
-    if (left.dot(right) < sharp_cosine) sharp.push_back({from, to, left, right});
+  for (std::size_t k = 0, next = 0; k < sides.size(); k = next) {
+    for (next = k; next < sides.size() && sides[next].edge == sides[k].edge;) ++next;
+    if (next - k != 2) continue;  // where more meet, which of them are neighbours is not known
+    const Vec3 left = normal(sides[k].triangle), right = normal(sides[k + 1].triangle);
+    if (left.isZero(0) || right.isZero(0) || left.dot(right) >= sharp_cosine) continue;
+    sharp.push_back({sides[k].edge.first, sides[k].edge.second, left, right});
   }
   return sharp;
 }

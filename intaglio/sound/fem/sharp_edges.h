@@ -1,5 +1,5 @@
-// The sharp edges of a body's surface, where faces meet at more than 30 degrees, and the corners where they
-// meet or turn.
+// The sharp edges of a body's surface, where two faces meet at more than 30 degrees, and the corners where
+// they meet or turn.
 //
 // Immutable, any thread. Cost: a sort of the sides of all triangles; a query a few segments.
 #pragma once
