@@ -115,10 +115,8 @@ Meetings meetings(const Ahead& contacts, const Approach& approach, double restit
     const Closing free = meeter.closing(k, meeter.free());
     const Closing closing = meeter.closing(k, is_ball ? course : meeter.held(k));
     if (is_bounce(closing, free, least) && closing.is_due()) {
-      // Never more than it would have met alone: Bullet solves all at once, and would give two that face each
-      // other more energy than came.
-      const double left = std::min(closing.left(restitution), free.left(restitution));
-      out[k].restitution = std::min(1.0, left / free.seen());
+      // Never more than came: Bullet solves all at once, and would give two that face each other energy.
+      out[k].restitution = std::min(1.0, closing.left(restitution) / free.seen());
       out[k].distance = std::min(out[k].distance, 0.0);
       // Which of the contacts bears a ball's bounces off two in one step is the solver's choice.
       if (is_ball) out[k].touch = first = first ? first : out[k].touch;
