@@ -128,8 +128,9 @@ void tell(const std::string& what, const std::vector<double>& errors) {
 }  // namespace
 
 TEST_CASE("blows of a ball that rolls over a grating are timed within a millisecond at 480 Hz") {
-  for (const auto& [wavelength, depth] : {std::pair{0.02, 0.0002}, {0.01, 0.0001}, {0.03, 0.001}}) {
-    const auto surface = grating(wavelength, depth);
+  for (const auto& grooves : {std::pair{0.02, 0.0002}, {0.01, 0.0001}, {0.03, 0.001}}) {
+    const double wavelength = grooves.first;
+    const auto surface = grating(wavelength, grooves.second);
     for (const double restitution : {0.0, 0.5, 0.7, 0.8, 0.95}) {
       CAPTURE(wavelength);
       CAPTURE(restitution);
