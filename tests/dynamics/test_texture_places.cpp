@@ -21,6 +21,11 @@ std::shared_ptr<const surface::Surface> waves(const surface::Placement& placemen
       [](Vec2 uv) { return Vec3(0.1 * std::sin(16 * pi * uv.x()), 0, 1).normalized(); }, depth, placement);
 }
 
+std::shared_ptr<const surface::Surface> smooth_floor(double side) {
+  return tests::made_surface(
+      8, [](Vec2) { return 0.0; }, [](Vec2) { return Vec3::UnitZ(); }, 0, tests::flat_placement(side));
+}
+
 Material material(double friction) {
   Material out;
   out.density = 600;
@@ -73,10 +78,7 @@ ShapeBody skinned_ball(double radius, double depth) {
 TEST_CASE("a ball that rolls sweeps over its own texture as far as its uv goes, with relief and without") {
   for (const Representation representation : {Representation::relief, Representation::normal}) {
     CAPTURE(int(representation));
-    World world(
-        tests::made_surface(
-            8, [](Vec2) { return 0.0; }, [](Vec2) { return Vec3::UnitZ(); }, 0, tests::flat_placement(2)),
-        material(1), options(representation));
+    World world(smooth_floor(2), material(1), options(representation));
     const double radius = 0.05;
     const BodyId ball =
         world.add(skinned_ball(radius, representation == Representation::relief ? 1e-6 : 0.002));
@@ -107,10 +109,7 @@ TEST_CASE(
     "over a body that lies askew, uv and sweep are in that body's frame; a slide sweeps no own texture") {
   for (const Representation representation : {Representation::relief, Representation::normal}) {
     CAPTURE(int(representation));
-    World world(
-        tests::made_surface(
-            8, [](Vec2) { return 0.0; }, [](Vec2) { return Vec3::UnitZ(); }, 0, tests::flat_placement(4)),
-        material(0), options(representation));
+    World world(smooth_floor(4), material(0), options(representation));
     const Vec3 half(0.3, 0.05, 0.3);
     ShapeBody table;
     table.shape = contact::Box{half};
@@ -151,10 +150,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a block that slides on its own texture stands still on it") {
-  World world(
-      tests::made_surface(
-          8, [](Vec2) { return 0.0; }, [](Vec2) { return Vec3::UnitZ(); }, 0, tests::flat_placement(4)),
-      material(0), options(Representation::normal));
+  World world(smooth_floor(4), material(0), options(Representation::normal));
   const Vec3 half(0.1, 0.05, 0.1);
   ShapeBody block;
   block.shape = contact::Box{half};
@@ -185,10 +181,7 @@ TEST_CASE(
     for (const bool ball_first : {true, false}) {
       CAPTURE(int(motion));
       CAPTURE(ball_first);
-      World world(
-          tests::made_surface(
-              8, [](Vec2) { return 0.0; }, [](Vec2) { return Vec3::UnitZ(); }, 0, tests::flat_placement(4)),
-          material(1), options(Representation::normal));
+      World world(smooth_floor(4), material(1), options(Representation::normal));
       ShapeBody plank, ball = skinned_ball(radius, 0.002);
       const Vec3 half(0.6, 0.05, 0.2);
       plank.shape = contact::Box{half};
