@@ -115,8 +115,10 @@ TEST_CASE("no allocation and no lock in a million blocks (fewer without INTAGLIO
     }
     synthesizer.render_stereo(out);
   }
-  CHECK(allocations() == allocations_before);
-  CHECK(locks() == locks_after);
+  // Both before either is told: to print a success takes a lock.
+  const std::size_t allocated = allocations() - allocations_before, locked = locks() - locks_after;
+  CHECK(allocated == 0);
+  CHECK(locked == 0);
   CHECK(synthesizer.status().stolen_groups > 0);
 }
 
