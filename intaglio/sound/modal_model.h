@@ -29,7 +29,7 @@ struct ModalModel {
 
   std::vector<double> angular_frequency;  // omega, rad/s, ascending
   std::vector<double> damping;            // d, 1/s; always below omega
-  std::vector<double> radiation;          // Pa at 1 m for a modal velocity of 1 (radiation.h)
+  std::vector<double> radiation;          // Pa at 1 m for a modal velocity of 1, with sign (radiation.h)
 
   std::vector<Vec3> points;         // of the surface, as many as sound needs
   std::vector<Triangle> triangles;  // outward

@@ -12,7 +12,7 @@ namespace intaglio::sound {
 namespace {
 
 constexpr std::size_t max_file_bytes = 256u << 20;
-constexpr int model_version = 2;
+constexpr int model_version = 3;
 constexpr double max_coordinate = 1e6;  // metres
 
 Material material_of(const file::Elasticity& from) {
@@ -62,8 +62,8 @@ Result<void> check_modes(const ModalModel& model, const std::string& name) {
   double last = 0;
   for (std::size_t m = 0; m < count; ++m) {
     const double omega = model.angular_frequency[m], d = model.damping[m];
-    if (!(omega >= last && omega > 0 && omega < 1e9 && d >= 0 && d < omega && model.radiation[m] >= 0 &&
-          model.radiation[m] < 1e6))
+    if (!(omega >= last && omega > 0 && omega < 1e9 && d >= 0 && d < omega &&
+          std::abs(model.radiation[m]) < 1e6))
       return fail(name, fmt::format("mode {} does not ring, or is out of order", m));
     last = omega;
   }

@@ -21,12 +21,18 @@ constexpr double supersonic = 1.4;  // times the wave number of the shape: from 
 constexpr std::size_t most_points = 600;  // of a surface whose near field is solved
 // In radians across a triangle: beyond, what is radiated no longer depends on the frequency.
 constexpr double finest_phase = 2;
+constexpr double slow_beat = 0.1;  // of the decay rate: a beat that is gone before it is heard
 
 // Evenly over half of all directions: a Fibonacci spiral.
 Vec3 direction(int k, int directions) {
   const double z = (k + 0.5) / directions, turn = k * std::numbers::pi * (3 - std::sqrt(5.0));
   const double r = std::sqrt(1 - z * z);
   return {r * std::cos(turn), r * std::sin(turn), z};
+}
+
+// Where groups of kin are heard from: no plane or axis of symmetry of a body that lies square in its frame.
+Vec3 listening_direction() {
+  return Vec3(0.5137, 0.7219, 0.4636).normalized();
 }
 
 struct Facets {
@@ -50,29 +56,42 @@ Facets facets_of(const VibratingSurface& surface) {
   return f;
 }
 
-// Mean over all directions of |sum of A e^(i k e.x) (rho c u + e.n (in_phase + i out_of_phase))|^2.
-double mean_square(const Facets& f, double k, const Eigen::VectorXd& u, const Eigen::VectorXd& in_phase,
-                   const Eigen::VectorXd& out_of_phase) {
+// A vibration at one frequency: normal velocity, and surface pressure in phase with it and a quarter turn on.
+struct Source {
+  double k = 0;
+  Eigen::VectorXd velocity, in_phase, out_of_phase;
+};
+
+// Sum of A e^(i k e.x) (rho c u + e.n p_s), its parts even and odd in e: towards e it is even + odd, towards
+// -e even - odd.
+struct Towards {
+  std::complex<double> even, odd;
+};
+Towards towards(const Vec3& e, const Facets& f, const Source& source) {
+  double even_re = 0, even_im = 0, odd_re = 0, odd_im = 0;
+  for (Eigen::Index j = 0; j < source.velocity.size(); ++j) {
+    const double phase = source.k * e.dot(f.middle.col(j)), facing = e.dot(f.normal.col(j)) * f.area[j];
+    const double c = std::cos(phase), s = std::sin(phase),
+                 flow = air_density * speed_of_sound * f.area[j] * source.velocity[j];
+    // Of e: (c + i s)(flow + facing p); of -e: (c - i s)(flow - facing p).
+    even_re += c * flow - s * facing * source.out_of_phase[j];
+    even_im += s * facing * source.in_phase[j];
+    odd_re += c * facing * source.in_phase[j];
+    odd_im += s * flow + c * facing * source.out_of_phase[j];
+  }
+  return {{even_re, even_im}, {odd_re, odd_im}};
+}
+
+// Mean over all directions of the square.
+double mean_square(const Facets& f, const Source& source) {
   const double reach = std::sqrt(f.middle.colwise().squaredNorm().maxCoeff());
   // Beams are as narrow as a wavelength over the body's size.
   const int directions = static_cast<int>(
-      std::clamp(std::pow(0.5 * k * reach, 2), double(fewest_directions), double(most_directions)));
+      std::clamp(std::pow(0.5 * source.k * reach, 2), double(fewest_directions), double(most_directions)));
   double sum = 0;
   for (int d = 0; d < directions; ++d) {
-    const Vec3 e = direction(d, directions);
-    // Of the even and the odd part of the source about its middle; the opposite direction has the same.
-    double even_re = 0, even_im = 0, odd_re = 0, odd_im = 0;
-    for (Eigen::Index j = 0; j < u.size(); ++j) {
-      const double phase = k * e.dot(f.middle.col(j)), facing = e.dot(f.normal.col(j)) * f.area[j];
-      const double c = std::cos(phase), s = std::sin(phase),
-                   source = air_density * speed_of_sound * f.area[j] * u[j];
-      // Of e: (c + i s)(source + facing p); of -e: (c - i s)(source - facing p).
-      even_re += c * source - s * facing * out_of_phase[j];
-      even_im += s * facing * in_phase[j];
-      odd_re += c * facing * in_phase[j];
-      odd_im += s * source + c * facing * out_of_phase[j];
-    }
-    sum += even_re * even_re + even_im * even_im + odd_re * odd_re + odd_im * odd_im;
+    const Towards t = towards(direction(d, directions), f, source);
+    sum += std::norm(t.even) + std::norm(t.odd);
   }
   return sum / directions;
 }
@@ -152,33 +171,79 @@ void double_sheet(ModalModel& model, double thickness) {
 
 }  // namespace
 
-std::vector<double> radiated_pressure(const VibratingSurface& surface, std::span<const double> omega) {
+Eigen::MatrixXd kinship(std::span<const double> omega, std::span<const double> damping) {
+  const auto count = Eigen::Index(omega.size());
+  Eigen::MatrixXd kin(count, count);
+  for (Eigen::Index a = 0; a < count; ++a) {
+    for (Eigen::Index b = 0; b < count; ++b) {
+      const auto i = std::size_t(a), k = std::size_t(b);
+      // At least the width of a group that a bake takes for one frequency.
+      const double width = slow_beat * 0.5 * (damping[i] + damping[k]) + 5e-6 * (omega[i] + omega[k]);
+      kin(a, b) = std::exp(-std::pow((omega[i] - omega[k]) / width, 4));
+    }
+  }
+  return kin;
+}
+
+std::vector<double> radiated_pressure(const VibratingSurface& surface, std::span<const double> omega,
+                                      const Eigen::MatrixXd& kin) {
   const Eigen::MatrixXd potential = near_potential(surface.points, surface.triangles, surface.velocity);
   const Facets f = facets_of(surface);
   const double finest = finest_phase / std::sqrt(f.area.sum() / double(f.area.size()));
   const double reach = std::sqrt(f.area.sum() / (4 * std::numbers::pi));
-  std::vector<double> pressure;
+  const double impedance = air_density * speed_of_sound;
+  // <u, u> and <u, Phi> of each vibration and its kin: traces, which no rotation among them changes.
+  const Eigen::VectorXd squares = (f.area.transpose() * surface.velocity.cwiseAbs2()).transpose();
+  const Eigen::VectorXd products =
+      (f.area.transpose() * surface.velocity.cwiseProduct(potential)).transpose();
+  const Eigen::VectorXd kin_squares = kin * squares, kin_products = kin * products;
+  Eigen::VectorXd mean(surface.velocity.cols()), heard(surface.velocity.cols());
   for (Eigen::Index m = 0; m < surface.velocity.cols(); ++m) {
     const double k = std::min(omega[std::size_t(m)] / speed_of_sound, finest);
-    const Eigen::VectorXd u = surface.velocity.col(m), phi = potential.col(m);
-    const double square = f.area.dot(u.cwiseAbs2());
-    const double s =
-        square > 0 ? std::max(0.0, (f.area.array() * u.array() * phi.array()).sum() / square) : 0;
-    const double impedance = air_density * speed_of_sound;
+    const double s = kin_squares[m] > 0 ? std::max(0.0, kin_products[m] / kin_squares[m]) : 0;
     const std::complex<double> z = wave_impedance(k * s, s / reach);
-    if (k * s > supersonic) {
-      pressure.push_back(impedance * std::sqrt(z.real() * square / (4 * std::numbers::pi)));
-      continue;
-    }
     const double out_of_phase = s > 0 ? z.imag() / (k * s) : 1;
-    const double mean = mean_square(f, k, u, z.real() * impedance * u, out_of_phase * k * impedance * phi);
-    pressure.push_back(k / (4 * std::numbers::pi) * std::sqrt(mean));
+    const Source source{k, surface.velocity.col(m), z.real() * impedance * surface.velocity.col(m),
+                        out_of_phase * k * impedance * potential.col(m)};
+    const double per_sum = k / (4 * std::numbers::pi);
+    mean[m] = k * s > supersonic ? impedance * impedance * z.real() * squares[m] / (4 * std::numbers::pi)
+                                 : per_sum * per_sum * mean_square(f, source);
+    const Towards t = towards(listening_direction(), f, source);
+    heard[m] = per_sum * ((t.even + t.odd).real() + (t.even + t.odd).imag());
   }
+  const Eigen::VectorXd group_mean = kin * mean, group_heard = kin * heard.cwiseAbs2();
+  std::vector<double> pressure;
+  for (Eigen::Index m = 0; m < heard.size(); ++m) {
+    // Nothing at all is heard from there of a body that moves only within its surface.
+    pressure.push_back(group_heard[m] > 0 ? heard[m] * std::sqrt(group_mean[m] / group_heard[m])
+                                          : std::sqrt(mean[m]));
+  }
+  return pressure;
+}
+
+std::vector<double> radiated_pressure(const VibratingSurface& surface, std::span<const double> omega) {
+  const auto count = Eigen::Index(omega.size());
+  std::vector<double> pressure = radiated_pressure(surface, omega, Eigen::MatrixXd::Identity(count, count));
+  for (double& p : pressure) p = std::abs(p);
   return pressure;
 }
 
 double most_radiated(double damping) {
   return std::sqrt(air_density * speed_of_sound * damping / (2 * std::numbers::pi));
+}
+
+void limit_radiation(ModalModel& model) {
+  const auto count = Eigen::Index(model.modes());
+  const Eigen::MatrixXd kin = kinship(model.angular_frequency, model.damping);
+  Eigen::VectorXd power(count), most(count);
+  for (Eigen::Index m = 0; m < count; ++m) {
+    power[m] = std::pow(model.radiation[std::size_t(m)], 2);
+    most[m] = std::pow(most_radiated(model.damping[std::size_t(m)]), 2);
+  }
+  const Eigen::VectorXd is = kin * power, may_be = kin * most;
+  for (Eigen::Index m = 0; m < count; ++m) {
+    if (is[m] > may_be[m]) model.radiation[std::size_t(m)] *= std::sqrt(may_be[m] / is[m]);
+  }
 }
 
 Eigen::RowVectorXd volume_velocity(const ModalModel& model) {
@@ -216,10 +281,10 @@ std::vector<double> radiation_of(const ModalModel& model, const Eigen::RowVector
           n.normalized().dot(coarse.shape(t[0], m) + coarse.shape(t[1], m) + coarse.shape(t[2], m)) / 3;
   }
   if (!is_sheet) surface.velocity.rowwise() += ((volume - volume_velocity(coarse)) / area).eval();
-  std::vector<double> pressure = radiated_pressure(surface, model.angular_frequency);
-  for (std::size_t m = 0; m < pressure.size(); ++m)
-    pressure[m] = std::min(pressure[m], most_radiated(model.damping[m]));
-  return pressure;
+  coarse.radiation =
+      radiated_pressure(surface, model.angular_frequency, kinship(model.angular_frequency, model.damping));
+  limit_radiation(coarse);
+  return coarse.radiation;
 }
 
 }  // namespace intaglio::sound

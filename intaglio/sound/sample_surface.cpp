@@ -4,32 +4,49 @@
 #include <cmath>
 #include <map>
 
+#include "intaglio/sound/fem/canonical_basis.h"
+
 namespace intaglio::sound {
 
 namespace {
 
-constexpr int probed_modes = 16;      // whose shapes are compared while points go
+constexpr int probed_groups = 16;     // of modes of one frequency, whose shapes are compared while points go
 constexpr double least_turn = 0.3;    // cosine between a triangle's normals before and after
 constexpr double least_shape = 0.05;  // of a triangle: twice its area over its longest edge squared
 
-using Probe = Eigen::VectorXf;  // of a point: x, y, z of every probed mode, over the mode's largest
+using Probe = Eigen::VectorXf;  // of a point: x, y, z of every probed mode, over its group's largest
+
+// What of a probe belongs to one group of modes of one frequency. Groups are measured as a whole, so that it
+// does not matter in which basis their modes are.
+struct Segment {
+  Eigen::Index first, size;
+};
+
+struct Probes {
+  std::vector<Segment> segments;
+  std::vector<Probe> of_point;
+};
 
 // Shapes of the modes with the shortest waves, and of some others.
-std::vector<Probe> probes_of(const ModalModel& model) {
+Probes probes_of(const ModalModel& model) {
+  const std::vector<Eigen::Index> first = frequency_groups(model.angular_frequency);
+  const int groups = int(first.size()) - 1;
+  Probes probes;
   std::vector<int> modes;
-  for (int k = 0; k < std::min(probed_modes, model.modes()); ++k)
-    modes.push_back(model.modes() - 1 - (k < probed_modes / 2 ? k : k * model.modes() / probed_modes));
-  std::vector<float> size;
-  for (const int m : modes) {
-    double most = 0;
-    for (std::size_t p = 0; p < model.points.size(); ++p)
-      most = std::max(most, model.shape(int(p), m).norm());
-    size.push_back(float(most));
+  for (int k = 0; k < std::min(probed_groups, groups); ++k) {
+    const auto g = std::size_t(groups - 1 - (k < probed_groups / 2 ? k : k * groups / probed_groups));
+    probes.segments.push_back({Eigen::Index(3 * modes.size()), 3 * (first[g + 1] - first[g])});
+    for (Eigen::Index m = first[g]; m < first[g + 1]; ++m) modes.push_back(int(m));
   }
-  std::vector<Probe> probes(model.points.size(), Probe(3 * modes.size()));
-  for (std::size_t p = 0; p < probes.size(); ++p) {
+  probes.of_point.assign(model.points.size(), Probe(3 * modes.size()));
+  for (std::size_t p = 0; p < model.points.size(); ++p) {
     for (std::size_t k = 0; k < modes.size(); ++k)
-      probes[p].segment<3>(Eigen::Index(3 * k)) = model.shape(int(p), modes[k]).cast<float>() / size[k];
+      probes.of_point[p].segment<3>(Eigen::Index(3 * k)) = model.shape(int(p), modes[k]).cast<float>();
+  }
+  for (const Segment& s : probes.segments) {
+    float most = 0;
+    for (const Probe& probe : probes.of_point) most = std::max(most, probe.segment(s.first, s.size).norm());
+    for (Probe& probe : probes.of_point) probe.segment(s.first, s.size) /= most;
   }
   return probes;
 }
@@ -159,11 +176,11 @@ class Collapse {
         }
       }
       if (best.face < 0) return false;
-      error_ = probes_[std::size_t(p)] - float(best.weights[0]) * probes_[std::size_t(corners_[0])] -
-               float(best.weights[1]) * probes_[std::size_t(corners_[1])] -
-               float(best.weights[2]) * probes_[std::size_t(corners_[2])];
-      for (Eigen::Index k = 0; k < error_.size(); k += 3) {
-        if (!(error_.segment<3>(k).norm() < float(options_.shape_error))) return false;
+      const auto probe = [&](int point) -> const Probe& { return probes_.of_point[std::size_t(point)]; };
+      error_ = probe(p) - float(best.weights[0]) * probe(corners_[0]) -
+               float(best.weights[1]) * probe(corners_[1]) - float(best.weights[2]) * probe(corners_[2]);
+      for (const Segment& s : probes_.segments) {
+        if (!(error_.segment(s.first, s.size).norm() < float(options_.shape_error))) return false;
       }
       places_.emplace_back(p, best.face);
       return true;
@@ -208,7 +225,7 @@ class Collapse {
   }
 
   std::vector<Vec3> points_;
-  std::vector<Probe> probes_;
+  Probes probes_;
   std::vector<Triangle> faces_;  // -1: gone
   std::vector<std::vector<int>> faces_of_, gone_in_;
   std::vector<bool> is_gone_;
@@ -222,7 +239,7 @@ class Collapse {
   Probe error_;
 };
 
-// Root mean square over the points that went of the error of each mode over its size: the worst mode.
+// Root mean square over the points that went of the error of each group of modes over its size: the worst.
 double worst_error(const ModalModel& model, const Collapse& collapse) {
   Eigen::VectorXd error = Eigen::VectorXd::Zero(model.modes()), size = error;
   int gone = 0;
@@ -238,7 +255,13 @@ double worst_error(const ModalModel& model, const Collapse& collapse) {
   for (std::size_t p = 0; p < model.points.size(); ++p) {
     for (int m = 0; m < model.modes(); ++m) size[m] += model.shape(int(p), m).squaredNorm();
   }
-  return std::sqrt((error.array() / double(gone) * double(model.points.size()) / size.array()).maxCoeff());
+  const std::vector<Eigen::Index> first = frequency_groups(model.angular_frequency);
+  double worst = 0;
+  for (std::size_t g = 0; g + 1 < first.size(); ++g) {
+    const Eigen::Index modes = first[g + 1] - first[g];
+    worst = std::max(worst, error.segment(first[g], modes).sum() / size.segment(first[g], modes).sum());
+  }
+  return std::sqrt(worst / double(gone) * double(model.points.size()));
 }
 
 }  // namespace

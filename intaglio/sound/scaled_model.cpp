@@ -33,8 +33,9 @@ ModalModel scaled(const ModalModel& model, double scale) {
     out.angular_frequency.push_back(omega);
     out.damping.push_back(d);
     // Wavelengths grow as the body does, so only how far and how fast its surface moves is another.
-    out.radiation.push_back(std::min(model.radiation[m] * scale * shape_scale, most_radiated(d)));
+    out.radiation.push_back(model.radiation[m] * scale * shape_scale);
   }
+  limit_radiation(out);
   const std::size_t modes = model.angular_frequency.size();
   for (std::size_t row = 0; row < 3 * model.points.size(); ++row) {
     for (const std::size_t m : kept)

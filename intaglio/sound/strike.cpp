@@ -8,7 +8,6 @@ namespace intaglio::sound {
 namespace {
 
 constexpr double blow_duration = 1e-3;  // s, of the step in whose middle the blow is
-constexpr int most_tried = 2000;        // points
 
 }  // namespace
 
@@ -24,23 +23,17 @@ SurfacePoint nearest_surface(const ModalModel& model, const Vec3& point) {
           (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized()};
 }
 
-Vec3 lively_point(const ModalModel& model) {
-  double best = -std::numeric_limits<double>::infinity();
-  Vec3 lively = model.points.front();
-  const std::size_t stride = model.points.size() / most_tried + 1;
-  for (std::size_t p = 0; p < model.points.size(); p += stride) {
-    const Vec3 normal = nearest_surface(model, model.points[p]).normal;
-    double sum = 0;
-    for (int m = 0; m < model.modes(); ++m) {
-      const double heard = model.shape(static_cast<int>(p), m).dot(normal) * model.radiation[std::size_t(m)];
-      sum += std::log(std::abs(heard) + 1e-6);
-    }
-    if (sum > best) {
-      best = sum;
-      lively = model.points[p];
-    }
+Vec3 default_strike_point(const ModalModel& model) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : model.points) box.extend(p);
+  const Vec3 half = 0.5 * box.sizes();
+  int across = 1;
+  for (const int axis : {2, 0}) {
+    if (half[axis] < 0.999 * half[across]) across = axis;
   }
-  return lively;
+  Vec3 target = Vec3(0.37, 0.37, 0.29).cwiseProduct(half);
+  target[across] = half[across];
+  return nearest_surface(model, box.center() + target).point;
 }
 
 std::vector<SoundBody> strike_bodies(std::shared_ptr<const ModalModel> model, const Strike& strike) {
@@ -57,7 +50,7 @@ std::vector<SoundBody> strike_bodies(std::shared_ptr<const ModalModel> model, co
 }
 
 ContactEvent strike_event(const ModalModel& model, const Strike& strike, double time) {
-  const SurfacePoint at = nearest_surface(model, strike.at.value_or(lively_point(model)));
+  const SurfacePoint at = nearest_surface(model, strike.at.value_or(default_strike_point(model)));
   const Vec3 push = strike.direction.value_or(-at.normal).normalized();
   const double mallet = strike.mallet.mass(), effective = 1 / (1 / mallet + 1 / model.mass);
   const double rebound = 1 + strike.mallet.material.restitution * model.material.restitution;

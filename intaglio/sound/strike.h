@@ -19,7 +19,7 @@ struct Mallet {
 };
 
 struct Strike {
-  std::optional<Vec3> at;         // unset: a place where many modes answer
+  std::optional<Vec3> at;         // unset: default_strike_point()
   std::optional<Vec3> direction;  // of the push; unset: into the surface there
   std::optional<double> impulse;  // N s; unset: what the mallet gives at 1 m/s
   Mallet mallet;
@@ -31,9 +31,10 @@ struct SurfacePoint {
 };
 SurfacePoint nearest_surface(const ModalModel& model, const Vec3& point);
 
-// Of the model's own points the one at which a push along the normal is heard loudest by all modes together,
-// each counted by its logarithm so that none decides alone.
-Vec3 lively_point(const ModalModel& model);
+// Where a body is struck when nobody says where: on the broad side of its bounding box (of equal ones the
+// top, then the front), over a third of the way from the middle to the rim, away from every plane of
+// symmetry, so that few modes have a node there. The body's geometry alone decides.
+Vec3 default_strike_point(const ModalModel& model);
 
 // The bodies, and the blow at `time`, for a Synthesizer or a LiveSound.
 inline constexpr BodyId struck_body = 1, mallet_body = 2;

@@ -4,8 +4,11 @@
 #include <memory>
 #include <numbers>
 
+#include "intaglio/core/random.h"
 #include "intaglio/sound/fem/shapes.h"
+#include "intaglio/sound/modal_bank.h"
 #include "intaglio/sound/modal_model.h"
+#include "intaglio/sound/radiation.h"
 
 namespace intaglio::sound::test {
 
@@ -51,6 +54,42 @@ inline ModalModel model_of(std::vector<double> hertz, std::vector<double> dampin
     model.shapes.insert(model.shapes.end(), hertz.size(), 1.0f);
   }
   return model;
+}
+
+inline constexpr double rate = 44'100;
+
+// What a unit impulse of `direction` at a point of the model gives, until it has died away.
+inline std::vector<float> struck_at(const ModalModel& model, const Vec3& point, const Vec3& direction,
+                                    std::size_t samples) {
+  ModalBank bank(model, rate);
+  std::vector<float> gains(std::size_t(bank.padded_modes()), 0.0f), out(samples, 0.0f);
+  model.gains(point, direction, std::span(gains).first(std::size_t(bank.modes())));
+  const float blow = 1;
+  const std::array<Drive, 1> drive{{{gains, std::span(&blow, 1), 0}}};
+  for (std::size_t done = 0; done < samples; done += block_samples)
+    bank.process(done == 0 ? std::span<const Drive>(drive) : std::span<const Drive>(),
+                 std::span(out).subspan(done, std::min<std::size_t>(block_samples, samples - done)));
+  return out;
+}
+
+inline std::vector<float> struck(const ModalModel& model, int point, const Vec3& direction,
+                                 std::size_t samples) {
+  return struck_at(model, model.points[std::size_t(point)], direction, samples);
+}
+
+inline Vec3 any_direction(Random& random) {
+  Vec3 d;
+  do {
+    for (int axis = 0; axis < 3; ++axis)
+      d[axis] = random.uniform(-1, 1);  // in this order, whatever the compiler
+  } while (!(d.norm() > 0.1 && d.norm() < 1));
+  return d.normalized();
+}
+
+// What each mode radiates together with those that sound as one with it, Pa^2 at 1 m.
+inline Eigen::VectorXd radiated_power(const ModalModel& model, const std::vector<double>& radiation) {
+  const Eigen::Map<const Eigen::VectorXd> pressure(radiation.data(), model.modes());
+  return kinship(model.angular_frequency, model.damping) * pressure.cwiseAbs2();
 }
 
 }  // namespace intaglio::sound::test

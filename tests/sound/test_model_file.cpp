@@ -62,7 +62,7 @@ TEST_CASE("a model of another format version is refused, with what to do") {
   int found = 0;
   for (std::size_t k = 4; k + 4 < 200; ++k) {
     auto changed = bytes;
-    if (changed[k] != 2 || changed[k + 1] != 0 || changed[k + 2] != 0 || changed[k + 3] != 0) continue;
+    if (changed[k] != 3 || changed[k + 1] != 0 || changed[k + 2] != 0 || changed[k + 3] != 0) continue;
     changed[k] = 1;
     const auto read = parse_model(changed, "old.modes");
     if (read || read.error().message().find("is of format 1") == std::string::npos) continue;

@@ -168,7 +168,7 @@ TEST_CASE(
   const auto model = test::small_slab();
   REQUIRE(model->radiation.size() == std::size_t(model->modes()));
   // The slab's first mode is a twist, and quieter than the third, a ring.
-  CHECK(decibels(model->radiation[0] / model->radiation[2]) < -20);
+  CHECK(decibels(std::abs(model->radiation[0] / model->radiation[2])) < -20);
   ModalModel hollow = *model;
   const int points = int(model->points.size());
   for (const Vec3& p : model->points) hollow.points.push_back(0.2 * p);
@@ -192,10 +192,12 @@ TEST_CASE("an open shell of one side radiates from both, as the plate of its thi
   std::erase_if(model.triangles, is_below);
   for (Vec3& p : model.points) p.y() = 0;
   const std::vector<double> sheet = radiation_of(model, volume_velocity(model), thickness);
-  for (std::size_t m = 0; m < solid.size(); ++m) {
+  const Eigen::VectorXd of_solid = test::radiated_power(model, solid),
+                        of_sheet = test::radiated_power(model, sheet);
+  for (Eigen::Index m = 0; m < model.modes(); ++m) {
     CAPTURE(m);
     // What moves within the plane radiates by its edges, which a sheet has not.
-    if (solid[m] > 0.1) CHECK(std::abs(decibels(sheet[m] / solid[m])) < 2);
+    if (of_solid[m] > 0.01) CHECK(std::abs(10 * std::log10(of_sheet[m] / of_solid[m])) < 2);
   }
 }
 

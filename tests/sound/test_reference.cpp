@@ -104,7 +104,7 @@ TEST_CASE("known frequencies: each case of the reference, its degenerate groups 
     const auto modes = free_modes(assemble(c.mesh, c.material), {count, 0.2, highest});
     if (!modes) MESSAGE(modes.error().message());
     REQUIRE(modes);
-    REQUIRE(modes->angular_frequency.size() == count);
+    REQUIRE(modes->angular_frequency.size() >= count);
     double worst = 0, split = 0;
     Eigen::Index i = 0;
     for (const Group& g : c.groups) {

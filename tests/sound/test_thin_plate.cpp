@@ -75,7 +75,7 @@ TEST_CASE(
   material.density = 8000;
   const auto modes = free_modes(assemble(box({a, h, a}, 28, 1, 28), material), {6, 0.2, 8});
   REQUIRE(modes);
-  REQUIRE(modes->angular_frequency.size() == 6);
+  REQUIRE(modes->angular_frequency.size() == 7);  // the sixth is one of a pair
   for (Index i = 0; i < 6; ++i) {
     const double hertz = fine[i] * unit, ours = modes->angular_frequency[i] / tau;
     const auto k = static_cast<std::size_t>(i);

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "intaglio/sound/fem/block_lanczos.h"
+#include "intaglio/sound/fem/canonical_basis.h"
 
 namespace intaglio::sound {
 
@@ -18,15 +19,6 @@ constexpr double accepted_residual = 1e-4;
 
 double eigenvalue_of(double frequency) {
   return std::pow(2 * std::numbers::pi * frequency, 2);
-}
-
-void fix_signs(MatrixXd& shapes) {
-  for (auto column : shapes.colwise()) {
-    const double large = 0.5 * column.cwiseAbs().maxCoeff();
-    const auto first =
-        std::find_if(column.begin(), column.end(), [&](double x) { return std::abs(x) > large; });
-    if (first != column.end() && *first < 0) column = -column;
-  }
 }
 
 double worst_residual(const ElasticSystem& system, const Modes& modes) {
@@ -52,11 +44,18 @@ Result<Modes> modes_at(const ElasticSystem& system, const ModeOptions& options, 
   BlockLanczos lanczos(*shifted, system,
                        std::min<Index>(system.dofs(), 6 * wanted + 20 * BlockLanczos::block_size));
   const auto eigenvalue = [&](Index i) { return 1 / lanczos.value(i) + shift; };
+  // The end of the group of equal frequencies that `end` cuts, or `found` if it may go on beyond.
+  const auto whole_group = [&](Index end, Index found) {
+    const double apart = 2 * same_frequency;  // of frequencies 1e-6, of eigenvalues twice that
+    while (end < found && eigenvalue(end) - eigenvalue(end - 1) <= apart * eigenvalue(end)) ++end;
+    return end;
+  };
   const auto is_done = [&] {
     const Index found = lanczos.converged();
     Index below = 0;
     while (below < found && eigenvalue(below) < lowest) ++below;
-    return found - below >= options.count || (found > below && eigenvalue(found - 1) > highest);
+    if (found > below && eigenvalue(found - 1) > highest) return true;
+    return found - below >= options.count && whole_group(below + options.count, found) < found;
   };
   Index next_check = 4 * BlockLanczos::block_size;
   do {
@@ -81,6 +80,7 @@ Result<Modes> modes_at(const ElasticSystem& system, const ModeOptions& options, 
   Index first = rigid, end = rigid;
   while (first < found && eigenvalue(first) < lowest) ++first;
   for (end = first; end < found && end - first < options.count && eigenvalue(end) <= highest;) ++end;
+  if (end > first) end = whole_group(end, found);
 
   {
     // At a million degrees of freedom the factors are 4 GB; what follows does without.
@@ -92,7 +92,7 @@ Result<Modes> modes_at(const ElasticSystem& system, const ModeOptions& options, 
   for (Index i = 0; i < rigid; ++i)
     modes.highest_rigid = std::max(modes.highest_rigid, std::sqrt(std::abs(eigenvalue(i))));
   modes.shape = lanczos.ritz_vectors(first, end - first);
-  fix_signs(modes.shape);
+  make_canonical(modes);
   modes.residual = worst_residual(system, modes);
   if (modes.residual > accepted_residual) {
     return fail("modal analysis", fmt::format("a mode has residual {:.1e}", modes.residual),
