@@ -39,7 +39,8 @@ rm "$work/meshes/a_sheet.obj"
 all glass && expect "another material" '2 baked, 0 up to date, 0 failed'
 
 if command -v snakemake >/dev/null; then
-  export XDG_CACHE_HOME="$work/cache" # snakemake keeps sources there
+  mkdir "$work/home"
+  export HOME="$work/home" XDG_CACHE_HOME="$work/home/.cache" # snakemake keeps sources there, its jobs, too
   flow() {
     (cd "$work" && snakemake -s "$source/workflow/Snakefile" --cores 2 --quiet --nolock --config meshes=meshes models=flow \
       material=ceramic options='--modes 5' intaglio="$intaglio" >"$work/log" 2>&1)
