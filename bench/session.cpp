@@ -12,7 +12,6 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <string>
 #include <thread>
 #include <vector>
@@ -20,6 +19,7 @@
 #include "intaglio/haptics/servo_loop.h"
 #include "intaglio/session/render_job.h"
 #include "intaglio/session/simulation.h"
+#include "tests/temporary_folder.h"
 
 using namespace intaglio;
 using namespace intaglio::haptics;
@@ -49,22 +49,21 @@ class RealTimeHand : public SimulatedDevice {
 class Load {
  public:
   explicit Load(const session::Scene& scene)
-      : folder_(std::filesystem::temp_directory_path() / "intaglio_bench_session"), thread_([this, scene] {
+      : thread_([this, scene] {
           while (!stop_) {
-            if (!session::render(scene, {folder_ / "load.mp4", 2, true, &stop_}) && !stop_) failed_ = true;
+            if (!session::render(scene, {folder_.path / "load.mp4", 2, true, &stop_}) && !stop_)
+              failed_ = true;
             if (failed_) return;
           }
         }) {}
   ~Load() {
     stop_ = true;
     thread_.join();
-    std::error_code ignored;
-    std::filesystem::remove_all(folder_, ignored);
   }
   bool failed() const { return failed_; }
 
  private:
-  std::filesystem::path folder_;
+  tests::TemporaryFolder folder_;
   std::atomic<bool> stop_{false}, failed_{false};
   std::thread thread_;
 };

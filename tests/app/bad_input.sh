@@ -4,6 +4,7 @@
 set -uo pipefail
 intaglio=$1
 source=$2
+. "$(dirname "$0")/skipped.sh"
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 failures=0
@@ -157,6 +158,8 @@ if mkdir "$work/full" && mount -t tmpfs -o size=16k tmpfs "$work/full" 2>/dev/nu
   expect "a full disk for a page" 'disk full' "$intaglio" -q sound page -o "$work/full/page" brick
   expect "a full disk for a model" 'x\.modes: .*disk full' "$intaglio" -q bake "$work/cuboid.obj" --material steel --modes 5 -o "$work/full/x.modes"
   [ "$(find "$work/full" -type f | wc -l)" -eq 1 ] || { echo "left on the full disk: $(find "$work/full")"; failures=$((failures + 1)); }
+else
+  skipped "no right to mount a disk of 16 kB" "app_bad_input: a full disk"
 fi
 
 [ $failures -eq 0 ] && echo "all bad input is refused in one line"

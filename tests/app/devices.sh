@@ -15,10 +15,11 @@ check() {
 }
 # serve LOG: a server on a free port, which becomes $port.
 serve() {
+  rm -f "$1" # the server before said "serving" as well
   "$intaglio" devices serve --port 0 >"$1" 2>&1 &
   server=$!
   servers+=("$server")
-  for _ in $(seq 200); do grep -q '^serving' "$1" && break; sleep 0.05; done
+  for _ in $(seq 200); do grep -qs '^serving' "$1" && break; sleep 0.05; done
   port=$(sed -n 's/^serving Phantom0 on 127.0.0.1:\([0-9]*\);.*/\1/p' "$1")
 }
 # exits CODE PATTERN COMMAND...: with that code and one line on standard error like the pattern.

@@ -1,28 +1,18 @@
 #include <doctest/doctest.h>
 
 #include <sys/stat.h>
-#include <unistd.h>
 
 #include <filesystem>
 #include <string>
 
 #include "intaglio/core/file.h"
+#include "tests/temporary_folder.h"
 
 using namespace intaglio;
 namespace fs = std::filesystem;
 
-namespace {
-
-struct Folder {
-  fs::path path = fs::temp_directory_path() / ("intaglio_test_file_" + std::to_string(::getpid()));
-  Folder() { fs::create_directories(path); }
-  ~Folder() { fs::remove_all(path); }
-};
-
-}  // namespace
-
 TEST_CASE("what is written is read back, and nothing else is left behind") {
-  const Folder folder;
+  const tests::TemporaryFolder folder;
   const std::string text("a\0b\n", 4);
   REQUIRE(write_file(folder.path / "deep" / "x.bin", text));
   const auto bytes = read_file(folder.path / "deep" / "x.bin");
@@ -32,7 +22,7 @@ TEST_CASE("what is written is read back, and nothing else is left behind") {
 }
 
 TEST_CASE("a missing file names the nearest one") {
-  const Folder folder;
+  const tests::TemporaryFolder folder;
   REQUIRE(write_file(folder.path / "brick.png", "x"));
   const auto bytes = read_file(folder.path / "brik.png");
   REQUIRE_FALSE(bytes);
@@ -40,7 +30,7 @@ TEST_CASE("a missing file names the nearest one") {
 }
 
 TEST_CASE("an unwritable place is an error before and at writing") {
-  const Folder folder;
+  const tests::TemporaryFolder folder;
   REQUIRE(write_file(folder.path / "file", "x"));
   CHECK_FALSE(check_writable(folder.path / "file" / "under_a_file.mp4"));
   CHECK_FALSE(write_file(folder.path / "file" / "under_a_file.mp4", "y"));
@@ -59,7 +49,7 @@ TEST_CASE("a name must tell what is written") {
 }
 
 TEST_CASE("a device or pipe is not replaced by a file of its name") {
-  const Folder folder;
+  const tests::TemporaryFolder folder;
   const auto pipe = folder.path / "pipe";
   REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
   CHECK_FALSE(check_writable(pipe));
@@ -73,7 +63,7 @@ TEST_CASE("a device or pipe is not replaced by a file of its name") {
 }
 
 TEST_CASE("a file over the limit is refused") {
-  const Folder folder;
+  const tests::TemporaryFolder folder;
   REQUIRE(write_file(folder.path / "big", std::string(100, 'x')));
   CHECK_FALSE(read_file(folder.path / "big", 99));
   CHECK(read_file(folder.path / "big", 100));

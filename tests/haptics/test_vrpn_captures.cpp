@@ -10,6 +10,7 @@
 #include "intaglio/haptics/devices/vrpn/framer.h"
 #include "tests/haptics/vrpn_capture.h"
 #include "tests/haptics/vrpn_reencode.h"
+#include "tests/skipped.h"
 
 using namespace intaglio;
 using namespace intaglio::haptics::vrpn;
@@ -82,7 +83,7 @@ TEST_CASE("every message of the captured sessions decodes, and encodes to the sa
     CAPTURE(expected.file);
     const std::vector<Chunk> chunks = read_capture(expected.file);
     if (chunks.empty()) {
-      MESSAGE("skipped, no capture: " << expected.file);
+      tests::skipped("no captures in ../shared/vrpn/captures");
       continue;
     }
     std::map<std::string, Side> sides;
@@ -115,7 +116,7 @@ TEST_CASE("every message of the captured sessions decodes, and encodes to the sa
 TEST_CASE("however the network cuts a captured stream, the messages are the same") {
   const Bytes stream = stream_of("phantom-plane-session-tcp.jsonl", "server");
   if (stream.empty()) {
-    MESSAGE("skipped, no capture");
+    tests::skipped("no captures in ../shared/vrpn/captures");
     return;
   }
   Side whole;

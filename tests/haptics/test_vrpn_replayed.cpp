@@ -4,6 +4,7 @@
 #include "intaglio/haptics/devices/vrpn/force_messages.h"
 #include "tests/haptics/vrpn_capture.h"
 #include "tests/haptics/vrpn_peers.h"
+#include "tests/skipped.h"
 
 using namespace intaglio;
 using namespace intaglio::haptics;
@@ -20,7 +21,7 @@ TEST_CASE("our client hears what a captured server said") {
     CAPTURE(expected.file);
     const Bytes stream = stream_of(expected.file, "server");
     if (stream.empty()) {
-      MESSAGE("skipped, no capture: " << expected.file);
+      tests::skipped("no captures in ../shared/vrpn/captures");
       continue;
     }
     const Socket listener = std::move(*listen_tcp({loopback_host, 0}));
@@ -69,7 +70,7 @@ TEST_CASE("our server obeys what a captured client said") {
     CAPTURE(expected.file);
     const Bytes stream = stream_of(expected.file, "client");
     if (stream.empty()) {
-      MESSAGE("skipped, no capture: " << expected.file);
+      tests::skipped("no captures in ../shared/vrpn/captures");
       continue;
     }
     ServerOptions options;

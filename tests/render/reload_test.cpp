@@ -1,17 +1,15 @@
 // Shaders from a folder, while one works on them.
-#include <filesystem>
-
 #include "intaglio/core/file.h"
 #include "intaglio/render/shader_files.h"
 #include "scenes.h"
+#include "tests/temporary_folder.h"
 
 namespace intaglio::render::test {
 
 TEST_CASE("a folder's shaders are drawn with; one that does not compile is named, and the picture stays") {
   if (!have_gl()) return;
-  const auto folder = std::filesystem::temp_directory_path() / "intaglio_reload_test";
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
+  const tests::TemporaryFolder temporary;
+  const auto& folder = temporary.path;
   const auto renderer = make_renderer(brick(), small_options());
   const Image8 before = renderer->draw(target_scene());
   CHECK_FALSE(renderer->reload_shaders(folder));  // nothing there
@@ -30,7 +28,6 @@ TEST_CASE("a folder's shaders are drawn with; one that does not compile is named
   REQUIRE(write_file(folder / "lighting.glsl", lighting));
   REQUIRE(renderer->reload_shaders(folder));
   CHECK(renderer->draw(target_scene()).data != before.data);
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace intaglio::render::test

@@ -12,6 +12,7 @@
 #include "intaglio/render/egl_context.h"
 #include "intaglio/render/renderer.h"
 #include "intaglio/surface/surface.h"
+#include "tests/skipped.h"
 
 namespace intaglio::render::test {
 
@@ -80,7 +81,7 @@ inline bool have_gl() {
     const auto context = EglContext::create();
     return context ? std::string() : context.error().message();
   }();
-  if (!missing.empty()) MESSAGE("skipped: " << missing);
+  if (!missing.empty()) tests::skipped(missing);
   return missing.empty();
 }
 

@@ -12,6 +12,7 @@
 #include "intaglio/render/egl_context.h"
 #include "intaglio/session/scene_picture.h"
 #include "intaglio/surface/image_file.h"
+#include "tests/skipped.h"
 
 namespace intaglio::session {
 
@@ -94,7 +95,7 @@ SceneSurface taken_wrong(const SceneSurface& right, Wrong wrong) {
 
 bool have_gl() {
   const auto context = render::EglContext::create();
-  if (!context) MESSAGE("skipped: " << context.error().message());
+  if (!context) tests::skipped(context.error().message());
   return context.has_value();
 }
 

@@ -5,6 +5,7 @@
 
 #include "intaglio/sound/model_file.h"
 #include "tests/sound/models.h"
+#include "tests/temporary_folder.h"
 
 using namespace intaglio;
 using namespace intaglio::sound;
@@ -73,7 +74,8 @@ TEST_CASE("a model of another format version is refused, with what to do") {
 }
 
 TEST_CASE("a model without a mode is not written") {
-  const auto path = std::filesystem::temp_directory_path() / "intaglio_empty.modes";
+  const tests::TemporaryFolder folder;
+  const auto path = folder.path / "empty.modes";
   const auto written = write_model(path, ModalModel{});
   REQUIRE_FALSE(written);
   CHECK(written.error().message().find("no modes") != std::string::npos);

@@ -10,8 +10,10 @@
 #include "intaglio/sound/fem/choose_mesher.h"
 #include "intaglio/sound/fem/modes.h"
 #include "intaglio/sound/fem/shapes.h"
+#include "tests/skipped.h"
 #include "tests/sound/models.h"
 #include "tests/sound/surfaces.h"
+#include "tests/temporary_folder.h"
 
 using namespace intaglio;
 using namespace intaglio::sound;
@@ -23,18 +25,12 @@ namespace fs = std::filesystem;
 
 // A program of its own folder that runs `commands`.
 struct Script {
-  fs::path folder, path;
+  tests::TemporaryFolder folder;
+  fs::path path = folder.path / "filler";
   explicit Script(const std::string& commands) {
-    std::string pattern = (fs::temp_directory_path() / "intaglio-test-XXXXXX").string();
-    REQUIRE(mkdtemp(pattern.data()));
-    folder = pattern;
-    path = folder / "filler";
     REQUIRE(write_file(path, "#!/bin/sh\n" + commands + "\n"));
     fs::permissions(path, fs::perms::owner_all);
   }
-  Script(const Script&) = delete;
-  Script& operator=(const Script&) = delete;
-  ~Script() { fs::remove_all(folder); }
 };
 
 // A bar whose cross-section is a pentagon: no lattice lies along its sides.
@@ -128,7 +124,7 @@ TEST_CASE("automatic sends only what the lattice would cut to Netgen") {
 
 TEST_CASE("Netgen's elements have known frequencies, and its limits hold") {
   if (find_netgen().empty()) {
-    MESSAGE("skipped: no intaglio-netgen here (script/setup netgen, then build)");
+    tests::skipped("no intaglio-netgen here (script/setup netgen, then build)");
     return;
   }
   auto askew = test::cuboid({0.3, 0.05, 0.04});

@@ -8,18 +8,13 @@
 #include "intaglio/core/file.h"
 #include "intaglio/sound/level.h"
 #include "intaglio/sound/outputs/wav.h"
+#include "tests/temporary_folder.h"
 
 using namespace intaglio;
 using namespace intaglio::sound;
 namespace fs = std::filesystem;
 
 namespace {
-
-struct Folder {
-  fs::path path = fs::temp_directory_path() / "intaglio_test_sound";
-  Folder() { fs::create_directories(path); }
-  ~Folder() { fs::remove_all(path); }
-};
 
 std::vector<float> wave() {
   std::vector<float> samples(5000);
@@ -39,7 +34,7 @@ std::vector<float> read(const fs::path& path, SF_INFO& info) {
 }  // namespace
 
 TEST_CASE("two channels are interleaved") {
-  const Folder folder;
+  const tests::TemporaryFolder folder;
   const std::vector<float> stereo{0.5f, -0.5f, 0.25f, -0.25f};
   REQUIRE(write_wav(folder.path / "stereo.wav", stereo, 44'100, {WavFormat::float_32, 2}));
   SF_INFO info{};
@@ -49,7 +44,7 @@ TEST_CASE("two channels are interleaved") {
 }
 
 TEST_CASE("a WAV file reads back as it was written, to the precision of its format") {
-  const Folder folder;
+  const tests::TemporaryFolder folder;
   const fs::path path = folder.path / "new folder" / "a.wav";
   const std::vector<float> samples = wave();
   for (const auto& [format, precision] :
@@ -69,7 +64,7 @@ TEST_CASE("a WAV file reads back as it was written, to the precision of its form
 }
 
 TEST_CASE("equal sounds are equal files, and PCM clips instead of wrapping") {
-  const Folder folder;
+  const tests::TemporaryFolder folder;
   REQUIRE(write_wav(folder.path / "a.wav", wave(), 44'100, {WavFormat::float_32}));
   REQUIRE(write_wav(folder.path / "b.wav", wave(), 44'100, {WavFormat::float_32}));
   CHECK(*read_file(folder.path / "a.wav") == *read_file(folder.path / "b.wav"));
@@ -82,7 +77,7 @@ TEST_CASE("equal sounds are equal files, and PCM clips instead of wrapping") {
 }
 
 TEST_CASE("what cannot be written is an error that names the file and leaves nothing behind") {
-  const Folder folder;
+  const tests::TemporaryFolder folder;
   const std::vector<float> samples = wave();
   REQUIRE(write_file(folder.path / "file", std::string_view("in the way")));
   const auto under_a_file = write_wav(folder.path / "file" / "a.wav", samples, 44'100);

@@ -8,6 +8,7 @@
 #include "intaglio/surface/detect.h"
 #include "intaglio/surface/maps.h"
 #include "intaglio/surface/noise.h"
+#include "tests/skipped.h"
 
 using namespace intaglio;
 using namespace intaglio::surface;
@@ -66,7 +67,7 @@ TEST_CASE("maps of different surfaces are flagged, and so is a flat height") {
 TEST_CASE("the conventions of real textures are found") {
   const std::filesystem::path shared = std::filesystem::path(INTAGLIO_SHARED_DIR) / "textures";
   if (!std::filesystem::exists(shared)) {
-    MESSAGE("skipped: no real textures beside the project");
+    tests::skipped("no real textures in ../shared/textures");
     return;
   }
   const struct {

@@ -1,5 +1,4 @@
 #include <doctest/doctest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -8,20 +7,16 @@
 #include "intaglio/surface/image_file.h"
 #include "intaglio/surface/import.h"
 #include "intaglio/surface/maps.h"
+#include "tests/skipped.h"
 #include "tests/surface/brick_surface.h"
 #include "tests/surface/test_image_encoders.h"
+#include "tests/temporary_folder.h"
 
 using namespace intaglio;
 using namespace intaglio::surface;
 namespace fs = std::filesystem;
 
 namespace {
-
-struct Folder {
-  fs::path path = fs::temp_directory_path() / ("intaglio_test_import_" + std::to_string(::getpid()));
-  Folder() { fs::create_directories(path); }
-  ~Folder() { fs::remove_all(path); }
-};
 
 Image16 channels_of(const Image16& from, int first, int count) {
   Image16 out(from.width, from.height, count);
@@ -69,7 +64,7 @@ TEST_CASE("an 8-bit sample v is read as v / 255") {
 }
 
 TEST_CASE("one RGBA file, and the same split into a folder of files, make the same texels") {
-  const Folder folder;
+  const tests::TemporaryFolder folder;
   const TextureImages brick = make_brick(small_brick());
   REQUIRE(write_file(folder.path / "one" / "wall_nm.png", encode_png(brick.relief)));
   REQUIRE(
@@ -90,7 +85,7 @@ TEST_CASE("one RGBA file, and the same split into a folder of files, make the sa
 }
 
 TEST_CASE("a flipped green channel or an inverted height is noticed and undone, raw and fused") {
-  const Folder folder;
+  const tests::TemporaryFolder folder;
   const TextureImages brick = make_brick(small_brick());
   const Texels truth = to_texels(brick);
   for (const bool minus : {false, true}) {
@@ -123,7 +118,7 @@ TEST_CASE("a flipped green channel or an inverted height is noticed and undone, 
 }
 
 TEST_CASE("options override what is detected") {
-  const Folder folder;
+  const tests::TemporaryFolder folder;
   const TextureImages brick = make_brick(small_brick());
   REQUIRE(write_file(folder.path / "b.png", encode_png(brick.relief)));
   ImportOptions options;
@@ -138,7 +133,7 @@ TEST_CASE("options override what is detected") {
 }
 
 TEST_CASE("a fused surface is one surface: its normals are the slopes of its depth") {
-  const Folder folder;
+  const tests::TemporaryFolder folder;
   BrickRecipe recipe;
   recipe.size = 128;
   TextureImages brick = make_brick(recipe);
@@ -160,7 +155,7 @@ TEST_CASE("a fused surface is one surface: its normals are the slopes of its dep
 }
 
 TEST_CASE("a normal map alone gets an implied depth, of about the right amount") {
-  const Folder folder;
+  const tests::TemporaryFolder folder;
   const TextureImages brick = make_brick(small_brick());
   REQUIRE(write_file(folder.path / "n.png", encode_png(channels_of(brick.relief, 0, 3))));
   const auto fused = import_texture(folder.path / "n.png", {});
@@ -174,7 +169,7 @@ TEST_CASE("a normal map alone gets an implied depth, of about the right amount")
 }
 
 TEST_CASE("maps of different surfaces warn and fall back to the height") {
-  const Folder folder;
+  const tests::TemporaryFolder folder;
   BrickRecipe other = small_brick();
   other.columns = 3;
   other.rows = 10;
@@ -190,7 +185,7 @@ TEST_CASE("maps of different surfaces warn and fall back to the height") {
 }
 
 TEST_CASE("a height map alone makes the normals of its slopes") {
-  const Folder folder;
+  const tests::TemporaryFolder folder;
   const TextureImages brick = make_brick(small_brick());
   REQUIRE(write_file(folder.path / "wall_depth.png", encode_png(channels_of(brick.relief, 3, 1))));
   ImportOptions options;
@@ -206,7 +201,7 @@ TEST_CASE("a height map alone makes the normals of its slopes") {
 }
 
 TEST_CASE("floating-point files may hold heights of any unit and normals of either sign") {
-  const Folder folder;
+  const tests::TemporaryFolder folder;
   const TextureImages brick = make_brick(small_brick());
   const Texels truth = to_texels(brick);
   Image<float> height(64, 64, 1), normal(64, 64, 3);
@@ -237,7 +232,7 @@ TEST_CASE("floating-point files may hold heights of any unit and normals of eith
 }
 
 TEST_CASE("broken images are errors that name the file") {
-  const Folder folder;
+  const tests::TemporaryFolder folder;
   const std::vector<std::uint8_t> png = encode_png(make_brick(small_brick()).relief);
   for (const std::size_t keep :
        {std::size_t{0}, std::size_t{3}, std::size_t{20}, png.size() / 2, png.size() - 20}) {
@@ -259,7 +254,7 @@ TEST_CASE("an image larger than the limits is refused before it is decoded") {
 TEST_CASE("real textures import") {
   const fs::path shared = fs::path(INTAGLIO_SHARED_DIR) / "textures";
   if (!fs::exists(shared)) {
-    MESSAGE("skipped: no real textures beside the project");
+    tests::skipped("no real textures in ../shared/textures");
     return;
   }
   for (const char* name : {"brick_medieval_red", "wood_raw_plank", "wood_woodfloor007", "trak4_brick2"}) {

@@ -1,5 +1,4 @@
 #include <doctest/doctest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -8,18 +7,13 @@
 #include "intaglio/core/file.h"
 #include "intaglio/surface/asset.h"
 #include "intaglio/surface/inspect.h"
+#include "tests/temporary_folder.h"
 
 using namespace intaglio;
 using namespace intaglio::surface;
 namespace fs = std::filesystem;
 
 namespace {
-
-struct Folder {
-  fs::path path = fs::temp_directory_path() / ("intaglio_test_inspect_" + std::to_string(::getpid()));
-  Folder() { fs::create_directories(path); }
-  ~Folder() { fs::remove_all(path); }
-};
 
 // A grey height map of 64 x 64 from a function of the column.
 template <class Height>
@@ -36,7 +30,7 @@ fs::path write_columns(const fs::path& path, const Height& height) {
 }  // namespace
 
 TEST_CASE("the slope histogram is a distribution, and a triangle wave has one slope") {
-  const Folder folder;
+  const tests::TemporaryFolder folder;
   // Up over 32 columns and down again: slope 2 * depth everywhere but at the turns.
   const fs::path path =
       write_columns(folder.path / "t_height.png", [](int x) { return x < 32 ? x / 32.0 : (64 - x) / 32.0; });
@@ -53,7 +47,7 @@ TEST_CASE("the slope histogram is a distribution, and a triangle wave has one sl
 }
 
 TEST_CASE("walls make a surface one for the normal map, a plain one is flat, a gentle one relief") {
-  const Folder folder;
+  const tests::TemporaryFolder folder;
   ImportOptions options;
   options.depth_fraction = 0.3;
   const auto walls =
@@ -73,7 +67,7 @@ TEST_CASE("walls make a surface one for the normal map, a plain one is flat, a g
 }
 
 TEST_CASE("an imported surface is written and read back as the same surface") {
-  const Folder folder;
+  const tests::TemporaryFolder folder;
   BrickRecipe recipe;
   recipe.size = 96;
   const TextureImages brick = make_brick(recipe);

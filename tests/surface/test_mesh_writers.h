@@ -10,6 +10,7 @@
 #include "intaglio/core/file.h"
 #include "intaglio/surface/mesh/mesh_file.h"
 #include "tests/surface/test_mesh_shapes.h"
+#include "tests/temporary_folder.h"
 
 namespace intaglio::tests {
 
@@ -141,11 +142,8 @@ inline std::string changed(std::string text, const std::string& from, const std:
   return text.replace(at, from.size(), to);
 }
 
-struct Folder {
-  std::filesystem::path path =
-      std::filesystem::temp_directory_path() / fmt::format("intaglio-mesh-{}", std::rand());
+struct Folder : TemporaryFolder {
   Folder() { std::filesystem::create_directories(path / "inner"); }
-  ~Folder() { std::filesystem::remove_all(path); }
 };
 
 inline surface::TriangleMesh unit_quad() {

@@ -1,27 +1,19 @@
 #include <doctest/doctest.h>
 
-#include <unistd.h>
-
 #include <cmath>
 
 #include "intaglio/core/file.h"
 #include "intaglio/window/file_watch.h"
 #include "intaglio/window/gamepad.h"
 #include "intaglio/window/settings.h"
+#include "tests/temporary_folder.h"
 
 using namespace intaglio;
 using namespace intaglio::window;
 
-namespace {
-
-std::filesystem::path scratch(const char* name) {
-  return std::filesystem::temp_directory_path() / fmt::format("intaglio-window-{}-{}", ::getpid(), name);
-}
-
-}  // namespace
-
 TEST_CASE("settings that are kept come back as they were; those of one run do not") {
-  const auto file = scratch("settings.toml");
+  const tests::TemporaryFolder folder;
+  const auto file = folder.path / "settings.toml";
   Settings settings;
   CHECK(set_by_name(settings, "volume", -6));
   CHECK(set_by_name(settings, "contacts", 0));
@@ -38,13 +30,13 @@ TEST_CASE("settings that are kept come back as they were; those of one run do no
   CHECK(read.overlay_contacts == false);
   CHECK(read.width == 801);
   CHECK(read.speed == 1);
-  std::filesystem::remove(file);
 }
 
 TEST_CASE("settings that cannot be read change nothing and say why; missing ones are the defaults") {
-  const auto file = scratch("broken.toml");
+  const tests::TemporaryFolder folder;
+  const auto file = folder.path / "broken.toml";
   Settings settings;
-  CHECK(read_settings(scratch("none"), settings));
+  CHECK(read_settings(folder.path / "none", settings));
   REQUIRE(write_file(file, std::string_view("volume = 3\nno such = 4\n")));
   CHECK_FALSE(read_settings(file, settings));
   REQUIRE(write_file(file, std::string_view("volume = 3\nwidht = 4\n")));
@@ -57,11 +49,11 @@ TEST_CASE("settings that cannot be read change nothing and say why; missing ones
   REQUIRE_FALSE(samples);
   CHECK(samples.error().message().find(":2: samples is 9; it must be a whole number from 1 to 4") !=
         std::string::npos);
-  std::filesystem::remove(file);
 }
 
 TEST_CASE("what is written can be read again, whatever the window was like") {
-  const auto file = scratch("clamped.toml");
+  const tests::TemporaryFolder folder;
+  const auto file = folder.path / "clamped.toml";
   Settings settings;
   settings.width = 3;
   settings.volume = 1e9;
@@ -69,11 +61,11 @@ TEST_CASE("what is written can be read again, whatever the window was like") {
   Settings read;
   REQUIRE(read_settings(file, read));
   CHECK(read.width == 16);
-  std::filesystem::remove(file);
 }
 
 TEST_CASE("a changed file is noticed once, at most twice a second") {
-  const auto file = scratch("watched");
+  const tests::TemporaryFolder folder;
+  const auto file = folder.path / "watched";
   REQUIRE(write_file(file, std::string_view("a")));
   FileWatch watch;
   watch.watch({file});
@@ -82,7 +74,6 @@ TEST_CASE("a changed file is noticed once, at most twice a second") {
   CHECK_FALSE(watch.has_changed(0.4));
   CHECK(watch.has_changed(0.6));
   CHECK_FALSE(watch.has_changed(1.2));
-  std::filesystem::remove(file);
 }
 
 TEST_CASE("rumble: a harder blow shakes more, old contacts do not, and never beyond 1") {
