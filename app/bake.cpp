@@ -192,7 +192,7 @@ int run(const BakeArguments& options, const Common& common) {
   const auto source = source_hash(options, *material);
   if (!source) return report(source.error());
   session::Progress progress("bake", common.quiet);
-  sound::ModeOptions modes{options.modes, 20, options.max_frequency};
+  sound::ModeOptions modes = mode_options(options);
   progress.update(0.02, "filling the surface");
   const auto body = make_elements(options, *material, modes);
   if (!body) return report(body.error());
@@ -238,12 +238,18 @@ void add_bake(CLI::App& app, Common& common) {
   verb->add_option("MESH", options->mesh,
                    "A file (.obj .stl .gltf .glb, metres) or a shape: sphere:r=0.05  box:x=0.3,y=0.01,z=0.2  "
                    "plate:a=0.3,t=0.01  cylinder:r=0.02,h=0.2");
-  verb->add_option("--material", options->material, "A built-in name, or a TOML file (docs/bake.md)")
-      ->required();
-  verb->add_option("-o,--output", options->output, "The model; with --all a folder")->required();
+  auto* material =
+      verb->add_option("--material", options->material, "A built-in name, or a TOML file (docs/bake.md)");
+  verb->add_option("-o,--output", options->output, "The model; with --all or --scene a folder")->required();
   auto* all =
       verb->add_option("--all", options->all, "Every mesh in this folder and below; skips what is done")
           ->excludes("MESH");
+  verb->add_option("--scene", options->scene,
+                   "Every model that this scene sounds with, into the folder -o: `models` beside the scene "
+                   "is where it looks first")
+      ->excludes("MESH")
+      ->excludes(all)
+      ->excludes(material);
   verb->add_option("-j,--jobs", options->jobs, "Bakes at once, with --all")
       ->check(CLI::Range(1, 1000))
       ->needs(all)
@@ -288,10 +294,14 @@ void add_bake(CLI::App& app, Common& common) {
   verb->footer(
       "Example:\n  intaglio bake plate:a=0.3,t=0.01 --material ceramic -o out/tile.modes\n  intaglio bake vase.stl "
       "--scale 0.001 --material glass -o out/vase.modes --json\n  intaglio bake --all meshes/ --material glass "
-      "-o out/models -j 2");
+      "-o out/models -j 2\n  intaglio bake --scene my/scene.toml -o my/models");
   verb->callback([options, &common] {
-    if (options->mesh.empty() && options->all.empty()) throw CLI::RequiredError("MESH or --all");
-    common.exit_code = options->all.empty() ? run(*options, common) : bake_all(*options, common);
+    if (options->mesh.empty() && options->all.empty() && options->scene.empty())
+      throw CLI::RequiredError("MESH, --all or --scene");
+    if (options->material.empty() && options->scene.empty()) throw CLI::RequiredError("--material");
+    common.exit_code = !options->scene.empty() ? bake_scene(*options, common)
+                       : options->all.empty()  ? run(*options, common)
+                                               : bake_all(*options, common);
   });
 }
 

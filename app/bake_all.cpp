@@ -23,8 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int format_version = 3;  // of baking itself: raised when models come out differently
-
 bool is_mesh(const fs::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
@@ -110,8 +108,7 @@ void print_summary(const std::vector<Job>& jobs, const BakeArguments& arguments)
 }  // namespace
 
 Result<std::string> source_hash(const BakeArguments& arguments, const Material& material) {
-  Hash hash;
-  hash.add(format_version);
+  Hash hash = sound::bake_inputs(material, {"", mode_options(arguments)});
   const auto add_file = [&](const fs::path& path) -> Result<void> {
     const auto bytes = read_file(path);
     if (!bytes) return tl::unexpected(bytes.error());
@@ -134,15 +131,8 @@ Result<std::string> source_hash(const BakeArguments& arguments, const Material& 
       if (auto added = add_file(file); !added) return tl::unexpected(added.error());
     }
   }
-  hash.add(std::string_view(material.name));
-  for (const double x :
-       {material.density, material.youngs_modulus, material.poisson_ratio, material.rayleigh_alpha,
-        material.rayleigh_beta, material.friction, material.restitution, material.rolling_resistance,
-        material.micro.rms_height, material.micro.correlation_length, material.micro.spectral_slope,
-        arguments.max_frequency, arguments.scale, arguments.element_size, arguments.thickness,
-        arguments.merge_db})
+  for (const double x : {arguments.scale, arguments.element_size, arguments.thickness, arguments.merge_db})
     hash.add(x);
-  hash.add(arguments.modes);
   hash.add(arguments.elements);
   hash.add(arguments.nodes);
   hash.add(std::string_view(arguments.shell));

@@ -6,6 +6,7 @@
 
 #include "app/verb.h"
 #include "intaglio/core/material.h"
+#include "intaglio/sound/modal_model.h"
 
 namespace intaglio::app {
 
@@ -23,8 +24,13 @@ struct BakeArguments {
   std::string mesher = "auto";  // of a mesh: "lattice", "netgen" or "auto"
   std::string shell = "solid";  // what a shell is made of: "solid" elements or "springs"
   double merge_db = 0.5;        // merging may change a band by so much; 0: no merging
+  std::string scene;            // every model of this scene, instead of `mesh`
   bool json = false;
 };
+
+inline sound::ModeOptions mode_options(const BakeArguments& arguments) {
+  return {arguments.modes, 20, arguments.max_frequency};
+}
 
 // A hash, in hex, of the mesh's bytes (for .gltf with the .bin files of its folder), of the material and of
 // everything that changes the model: equal ones need no second bake.
@@ -34,5 +40,9 @@ Result<std::string> source_hash(const BakeArguments& arguments, const Material& 
 // that was baked from the same source is left as it is, so that a run that was stopped goes on where it was.
 // Prints a line for each; returns the exit code.
 int bake_all(const BakeArguments& arguments, const Common& common);
+
+// Every model that a scene's sound needs, into a folder: one beside the scene, `models`, is where it will be
+// looked for. Those already there are left as they are. Returns the exit code.
+int bake_scene(const BakeArguments& arguments, const Common& common);
 
 }  // namespace intaglio::app

@@ -127,6 +127,8 @@ int run_strike(const StrikeOptions& options, const Common& common) {
   }
   auto read = sound::read_model(options.model);
   if (!read) return report(read.error());
+  if (read->modes() == 0)
+    return report({options.model, "no mode of it rings below 20 kHz", "a larger or softer body would"});
   const auto model = std::make_shared<const sound::ModalModel>(
       options.scale == 1 ? std::move(*read) : sound::scaled(*read, options.scale));
   if (model->modes() == 0)

@@ -26,11 +26,14 @@ class Bakery {
   void add(sound::SoundBody body, const std::string& name, const std::string& shape,
            const std::function<sound::TetMesh()>& mesh, const Material& material) {
     if (error_) return;
-    const std::string key = fmt::format("3 {} {} {} {} {} {} {} {}", shape, material.name, material.density,
-                                        material.youngs_modulus, material.poisson_ratio,
-                                        material.rayleigh_alpha, material.rayleigh_beta, bake_.modes.count);
-    auto& model = models_[key];
-    if (!model) model = made(key, name, mesh, material);
+    Hash hash = sound::bake_inputs(material, bake_);
+    hash.add(std::string_view(shape));
+    const std::string identity = fmt::format("{:016x}", hash.value());
+    auto& model = models_[identity];
+    if (!model) {
+      model = made(identity, name, mesh, material);
+      voices_.models.push_back(identity);
+    }
     if (!model) return;
     Voice voice{body.id, name, material.name, {}, {}};
     for (const double omega : model->angular_frequency)
@@ -49,23 +52,31 @@ class Bakery {
  private:
   using Model = std::shared_ptr<const sound::ModalModel>;
 
-  Model made(const std::string& key, const std::string& name, const std::function<sound::TetMesh()>& mesh,
-             const Material& material) {
-    Hash hash;
-    for (const char c : key) hash.add(static_cast<std::uint8_t>(c));
-    const auto file = options_.cache / fmt::format("{:016x}.modes", hash.value());
-    if (!options_.cache.empty()) {
-      // One that cannot be read is baked again.
-      std::error_code ignored;
-      if (std::filesystem::exists(file, ignored))
-        if (auto read = sound::read_model(file))
-          return std::make_shared<const sound::ModalModel>(std::move(*read));
+  // A model that cannot be read, or is of something else, is baked again.
+  static Model found(const std::filesystem::path& folder, const std::string& identity) {
+    const auto file = folder / (identity + ".modes");
+    std::error_code ignored;
+    if (!std::filesystem::exists(file, ignored)) return nullptr;
+    auto read = sound::read_model(file);
+    if (!read || read->source != identity) return nullptr;
+    return std::make_shared<const sound::ModalModel>(std::move(*read));
+  }
+
+  Model made(const std::string& identity, const std::string& name,
+             const std::function<sound::TetMesh()>& mesh, const Material& material) {
+    if (!options_.beside.empty()) {
+      const auto folder = std::filesystem::path(scene_).parent_path() / options_.beside;
+      if (auto model = found(folder, identity)) return model;
     }
+    if (!options_.cache.empty())
+      if (auto model = found(options_.cache, identity)) return model;
     if (options_.stopped != nullptr && options_.stopped->load()) {
       error_ = Error{scene_, "modal analysis was stopped", ""};
       return nullptr;
     }
-    auto baked = sound::bake(mesh(), material, bake_);
+    sound::BakeOptions bake = bake_;
+    bake.source = identity;
+    auto baked = sound::bake(mesh(), material, bake);
     if (!baked) {
       error_ = Error{
           scene_,
@@ -75,7 +86,8 @@ class Bakery {
     }
     ++voices_.baked;
     // A cache that cannot be written costs time, nothing else.
-    if (!options_.cache.empty() && baked->modes() > 0) (void)sound::write_model(file, *baked);
+    if (!options_.cache.empty())
+      (void)sound::write_model(options_.cache / (identity + ".modes"), *baked);
     return std::make_shared<const sound::ModalModel>(std::move(*baked));
   }
 

@@ -1,9 +1,11 @@
-// What of a scene rings: the modal models of floor, grounds, bodies and pen, baked once each or taken from a
-// folder of models baked before.
+// What of a scene rings: the modal models of floor, grounds, bodies and pen, baked once each or taken from
+// folders of models baked before: `models` beside the scene's file (`intaglio bake --scene` fills it, and
+// shipped scenes have theirs), then a cache. A model is known by its identity, the hash of what it is baked
+// from (modal_model.h), which is its name there.
 //
-// Takes seconds without such a folder, milliseconds with it. Any thread; the models are immutable. A slab is
-// a box, a curved ground the slab over its bounds, a letter the box about it, a capsule a cylinder: what is
-// heard is right for balls, boxes, cylinders.
+// Takes seconds where models are missing, milliseconds where not. Any thread; the models are immutable. A
+// slab is a box, a curved ground the slab over its bounds, a letter the box about it, a capsule a cylinder:
+// what is heard is right for balls, boxes, cylinders.
 #pragma once
 
 #include <atomic>
@@ -18,14 +20,17 @@
 namespace intaglio::session {
 
 struct VoiceOptions {
-  std::filesystem::path cache;                 // folder of models; empty: always bake
+  std::filesystem::path cache = {};            // folder of models, where new ones go; empty: none
   const std::atomic<bool>* stopped = nullptr;  // when it turns true, no further model is begun
+  // Folder of models beside the scene's file; empty: none.
+  std::string beside = "models";
 };
 
 struct Voices {
   std::vector<sound::SoundBody> bodies;
-  std::vector<Voice> voices;  // the same, for people
-  int baked = 0;              // models that were not in the cache
+  std::vector<Voice> voices;        // the same, for people
+  int baked = 0;                    // models that were in neither folder
+  std::vector<std::string> models;  // identities, each once
 };
 
 Result<Voices> bake_voices(const Scene& scene, const SceneSurface& surface, const VoiceOptions& options = {});

@@ -202,6 +202,7 @@ void merge_modes(ModalModel& model, double allowed_db) {
     Merging merging(model, tried_db);
     merging.run();
     ModalModel merged = with_groups(model, merging);
+    round_shapes(merged);
     const SpectralError error = spectral_error(before, heard_modes(merged));
     if (formula_error * error.max_db > allowed_db) continue;
     merged.modes_found = model.modes();

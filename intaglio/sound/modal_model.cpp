@@ -49,6 +49,39 @@ Result<void> check_elements(const TetMesh& mesh) {
 
 }  // namespace
 
+float shape_unit(const ModalModel& model, int mode) {
+  float most = 0;
+  const auto modes = std::size_t(model.modes());
+  for (std::size_t k = std::size_t(mode); k < model.shapes.size(); k += modes)
+    most = std::max(most, std::abs(model.shapes[k]));
+  int exponent = 0;
+  // most < 2^exponent; 15 bits and a sign hold multiples of 2^(exponent - 15) below it.
+  std::frexp(most, &exponent);
+  return most > 0 ? std::ldexp(1.0f, exponent - 15) : 1.0f;
+}
+
+void round_shapes(ModalModel& model) {
+  const auto modes = std::size_t(model.modes());
+  for (std::size_t m = 0; m < modes; ++m) {
+    const float unit = shape_unit(model, int(m));
+    for (std::size_t k = m; k < model.shapes.size(); k += modes)
+      model.shapes[k] = std::clamp(std::nearbyint(model.shapes[k] / unit), -32767.0f, 32767.0f) * unit;
+  }
+}
+
+Hash bake_inputs(const Material& m, const BakeOptions& options) {
+  Hash hash;
+  hash.add(baker_version);
+  hash.add(std::string_view(m.name));
+  for (const double x : {m.density, m.youngs_modulus, m.poisson_ratio, m.rayleigh_alpha, m.rayleigh_beta,
+                         m.friction, m.restitution, m.rolling_resistance, m.micro.rms_height,
+                         m.micro.correlation_length, m.micro.spectral_slope, options.modes.min_frequency,
+                         options.modes.max_frequency, options.sample.shape_error, options.sample.distance})
+    hash.add(x);
+  hash.add(options.modes.count);
+  return hash;
+}
+
 Vec3 ModalModel::shape(int point, int mode) const {
   const auto n = static_cast<std::size_t>(modes());
   const float* const x = shapes.data() + std::size_t(point) * 3 * n + std::size_t(mode);
@@ -129,6 +162,7 @@ ModalModel model_of_modes(const Modes& modes, ModalSurface surface, double mass,
   const Eigen::RowVectorXd volume = volume_velocity(model);
   sample_surface(model, options.sample);
   if (model.modes() > 0) model.radiation = radiation_of(model, volume, surface.thickness);
+  round_shapes(model);
   model.grid = TriangleGrid(model.points, model.triangles);
   return model;
 }

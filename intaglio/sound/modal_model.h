@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "intaglio/core/error.h"
+#include "intaglio/core/hash.h"
 #include "intaglio/core/material.h"
 #include "intaglio/sound/fem/modes.h"
 #include "intaglio/sound/fem/tet_mesh.h"
@@ -21,7 +22,7 @@ namespace intaglio::sound {
 
 struct ModalModel {
   std::string name;
-  std::string source;  // a hash of what it was baked from and how, or empty
+  std::string source;  // its identity: the hash of what it was baked from and how (bake_inputs), or empty
   Material material;
   double mass = 0;      // kg
   double area = 0;      // m^2, of the surface
@@ -33,7 +34,7 @@ struct ModalModel {
 
   std::vector<Vec3> points;         // of the surface, as many as sound needs
   std::vector<Triangle> triangles;  // outward
-  std::vector<float> shapes;        // point by point: x of every mode, then y, then z
+  std::vector<float> shapes;  // point by point: x of every mode, then y, then z; of 16 bits (round_shapes)
   TriangleGrid grid;
   // Of shapes between the points, linear over the triangles, against those of the elements: root mean square
   // over the surface, relative, of the worst mode.
@@ -64,6 +65,18 @@ struct BakeOptions {
   SampleOptions sample = {};
   std::string source = {};
 };
+
+// Rounds each mode's shape to multiples of shape_unit(), the power of two by which all of it fits into 16
+// bits: 90 dB below its largest. Model files store that, so that a model read is the model that was written.
+void round_shapes(ModalModel& model);
+float shape_unit(const ModalModel& model, int mode);
+
+// Raised when models of the same inputs come out differently.
+inline constexpr int baker_version = 4;
+
+// The identity of a model begins with these; whoever bakes adds what the mesh is made from. Equal identities
+// are the same model, on whatever machine it was baked.
+Hash bake_inputs(const Material& material, const BakeOptions& options);
 
 // Modal analysis of a free body. Overdamped modes do not ring and are left out. Takes seconds: see
 // fem/modes.h.

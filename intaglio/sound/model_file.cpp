@@ -56,7 +56,6 @@ bool is_finite(const Material& m) {
 
 Result<void> check_modes(const ModalModel& model, const std::string& name) {
   const std::size_t count = model.angular_frequency.size();
-  if (count == 0) return fail(name, "has no modes", "bake it again");
   if (model.damping.size() != count || model.radiation.size() != count)
     return fail(name, "its lists of modes have different lengths");
   double last = 0;
@@ -116,12 +115,21 @@ std::vector<std::uint8_t> model_bytes(const ModalModel& model) {
   const auto radiation = builder.CreateVector(model.radiation);
   const auto point_list = builder.CreateVectorOfStructs(points);
   const auto face_list = builder.CreateVectorOfStructs(faces);
-  const auto shapes = builder.CreateVector(model.shapes);
+  const auto modes = std::size_t(model.modes());
+  std::vector<float> units;
+  for (std::size_t mode = 0; mode < modes; ++mode) units.push_back(shape_unit(model, int(mode)));
+  std::vector<std::int16_t> rounded;
+  rounded.reserve(model.shapes.size());
+  for (std::size_t k = 0; k < model.shapes.size(); ++k)
+    rounded.push_back(static_cast<std::int16_t>(
+        std::clamp(std::nearbyint(model.shapes[k] / units[k % modes]), -32767.0f, 32767.0f)));
+  const auto shapes = builder.CreateVector(rounded);
+  const auto shape_units = builder.CreateVector(units);
   file::FinishModelBuffer(
       builder,
       file::CreateModel(builder, name, material, model.mass, model.area, model.residual, frequency, damping,
                         radiation, point_list, face_list, shapes, model.shape_error, source, model_version,
-                        model.modes_found, model.merge_error_db, model.merge_error_rms_db));
+                        model.modes_found, model.merge_error_db, model.merge_error_rms_db, shape_units));
   return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
 }
 
@@ -158,7 +166,14 @@ Result<ModalModel> parse_model(std::span<const std::uint8_t> bytes, const std::s
     model.points.emplace_back(p.x(), p.y(), p.z());
   for (const file::Face& f : copied<file::Face>(*from.triangles()))
     model.triangles.push_back({f.a(), f.b(), f.c()});
-  model.shapes = copied<float>(*from.shapes());
+  const std::vector<std::int16_t> rounded = copied<std::int16_t>(*from.shapes());
+  const std::vector<float> units =
+      from.shape_unit() ? copied<float>(*from.shape_unit()) : std::vector<float>();
+  if (units.size() != model.angular_frequency.size())
+    return fail(name, "its shapes have not one unit for each mode", "bake it again");
+  model.shapes.reserve(rounded.size());
+  for (std::size_t k = 0; k < rounded.size() && !units.empty(); ++k)
+    model.shapes.push_back(float(rounded[k]) * units[k % units.size()]);
   if (auto sound = check_modes(model, name); !sound) return tl::unexpected(sound.error());
   if (auto sound = check_surface(model, name); !sound) return tl::unexpected(sound.error());
   model.grid = TriangleGrid(model.points, model.triangles);

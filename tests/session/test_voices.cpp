@@ -1,0 +1,73 @@
+// What of a scene rings: shipped models are found, whole and with nothing over; a cache is filled and used.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "intaglio/core/file.h"
+#include "intaglio/session/scene_surface.h"
+#include "intaglio/session/voices.h"
+#include "intaglio/sound/model_file.h"
+#include "tests/temporary_folder.h"
+
+using namespace intaglio;
+using namespace intaglio::session;
+namespace fs = std::filesystem;
+
+namespace {
+
+const fs::path scenes = INTAGLIO_SOURCE_DIR "/scenes";
+
+Scene small_scene() {
+  return parse_scene(
+             "[sound]\nmodes = 10\n[[ball]]\nradius = 0.05\nmaterial = \"plastic\"\n[[ball]]\nradius = "
+             "0.05\nmaterial = \"plastic\"\n",
+             "small.toml")
+      .value();
+}
+
+}  // namespace
+
+TEST_CASE("shipped scenes sound at once: every model is beside them, and none that no scene needs") {
+  std::set<std::string> used, there;
+  for (const auto& entry : fs::directory_iterator(scenes)) {
+    if (entry.path().extension() != ".toml") continue;
+    CAPTURE(entry.path().filename().string());
+    const Scene scene = read_scene(entry.path()).value();
+    const auto voices = bake_voices(scene, make_surface(scene).value());
+    REQUIRE(voices);
+    CHECK(voices->baked == 0);  // else: intaglio bake --scene scenes/NAME.toml -o scenes/models
+    used.insert(voices->models.begin(), voices->models.end());
+  }
+  for (const auto& entry : fs::directory_iterator(scenes / "models"))
+    there.insert(entry.path().stem().string());
+  CHECK(used == there);
+}
+
+TEST_CASE(
+    "models are baked once, kept in the cache by what they are made from, and baked again when they are not that") {
+  const Scene scene = small_scene();
+  const SceneSurface surface = make_surface(scene).value();
+  const tests::TemporaryFolder folder;
+  const VoiceOptions options{folder.path};
+  const auto first = bake_voices(scene, surface, options);
+  REQUIRE(first);
+  CHECK(first->models.size() == 2);  // the floor's, and one of both balls
+  CHECK(first->baked == 2);
+  const auto second = bake_voices(scene, surface, options);
+  CHECK(second->baked == 0);
+  CHECK(second->models == first->models);
+  for (std::size_t k = 0; k < first->bodies.size(); ++k)
+    CHECK(sound::model_bytes(*first->bodies[k].model) == sound::model_bytes(*second->bodies[k].model));
+  // A file that is of something else, or broken, is not believed.
+  const auto file = [&](int k) { return folder.path / (first->models[std::size_t(k)] + ".modes"); };
+  fs::copy_file(file(0), file(1), fs::copy_options::overwrite_existing);
+  CHECK(bake_voices(scene, surface, options)->baked == 1);
+  CHECK(write_file(file(0), std::vector<std::uint8_t>(100)));
+  CHECK(bake_voices(scene, surface, options)->baked == 1);
+  // Another material is another model.
+  Scene other = scene;
+  for (BallScene& ball : other.balls) ball.material.density *= 1.01;
+  CHECK(bake_voices(other, surface, options)->models != first->models);
+}
