@@ -4,6 +4,8 @@
 // Not for real time. One object is one length and direction; not thread-safe.
 #pragma once
 
+#include "intaglio/core/eigen.h"
+//
 #include <complex>
 #include <cstdint>
 #include <numbers>

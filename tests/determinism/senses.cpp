@@ -37,7 +37,8 @@ Outcome textures() {
     const auto surface = floor(name);
     Random random(1);
     for (int k = 0; k < 2000; ++k) {
-      const Vec2 uv(random.uniform(), random.uniform());
+      const double u = random.uniform(), v = random.uniform();
+      const Vec2 uv(u, v);
       const double footprint = random.uniform(0, 0.1);
       const surface::Smooth smooth = surface->smooth(uv, footprint);
       add(hash, smooth.height);
@@ -71,12 +72,14 @@ Outcome contacts() {
   for (const NamedShape& shape : shapes()) {
     Random random(2);
     for (int k = 0; k < 60; ++k) {
-      const Vec3 flat(random.uniform(-0.4, 0.4), random.uniform(0, 0.05), random.uniform(-0.4, 0.4));
+      const double x = random.uniform(-0.4, 0.4), y = random.uniform(0, 0.05);
+      const Vec3 flat(x, y, random.uniform(-0.4, 0.4));
       const Pose pose{flat, any_turn(random)};
       keep(contact::relief_contacts(*surface, shape.shape, pose, 0.01));
       keep(contact::directional_contacts(*surface, shape.shape, pose, 0.01));
       keep(contact::normal_map_contacts(*surface, shape.shape, pose, 0.01));
-      const Pose beside{random.uniform(0.31, 0.36) * any_vector(random, 1).normalized(), pose.orientation};
+      const double away = random.uniform(0.31, 0.36);
+      const Pose beside{away * any_vector(random, 1).normalized(), pose.orientation};
       keep(contact::curved_contacts(ball, shape.shape, beside, 0.01));
     }
   }
@@ -177,7 +180,8 @@ std::vector<ContactEvent> told(int bodies) {
       const double u = 0.1 + 0.3 * b * e.time, v = 0.4 + 0.2 * e.time;
       e.uv = {u - std::floor(u), v - std::floor(v)};
       e.point = {e.uv.x() - 0.5, 0, 0.5 - e.uv.y()};
-      e.n_s = Vec3(random.uniform(-0.3, 0.3), 1, random.uniform(-0.3, 0.3)).normalized();
+      const double tilt = random.uniform(-0.3, 0.3);
+      e.n_s = Vec3(tilt, 1, random.uniform(-0.3, 0.3)).normalized();
       if (e.phase != ContactPhase::end) e.impulse = (beat == 0 ? 0.05 : random.uniform(0.005, 0.015)) * e.n_s;
       if (beat == 0) e.touch_age = random.uniform(0, e.duration);
       e.body_pose = {e.point + Vec3(0, 0.05, 0), rotation(Vec3(0, 0, -6.0 * e.time))};
