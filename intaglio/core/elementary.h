@@ -6,8 +6,8 @@
 //
 // Only + - * / and square roots of doubles, which IEEE 754 rounds in one way, in one order; needs
 // -ffp-contract=off. Errors are in units in the last place, the largest of tests/core/test_elementary.cpp.
-// Not-a-number gives not-a-number, always of the same bits. Real-time: no allocation, no branch that waits;
-// the cost is that of libm's (bench_elementary).
+// Not-a-number gives not-a-number, always of the same bits. Real-time: no allocation. Some 10 ns a sine,
+// exponential or logarithm, 20 an arctangent, 50 a power, 100 a cube root (libm: 14, 6, 11, 21, 14, 13).
 #pragma once
 
 #include <cmath>
