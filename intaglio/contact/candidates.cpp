@@ -1,7 +1,8 @@
 #include "intaglio/contact/candidates.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "intaglio/core/elementary.h"
 
 namespace intaglio::contact {
 
@@ -61,7 +62,7 @@ std::size_t Candidates::choose(Chosen& chosen) {
     chosen[count++] = &kept_[k];
   };
   // Deepest first: whatever pushes another way. Two places are left for support.
-  const double cos_angle = std::cos(min_angle);
+  const double cos_angle = elementary::cos(min_angle);
   for (std::size_t k = 0; k < count_ && count + 2 < chosen.size(); ++k) {
     const bool differs =
         std::all_of(chosen.begin(), chosen.begin() + static_cast<std::ptrdiff_t>(count),

@@ -7,6 +7,8 @@
 
 #include <cmath>
 
+#include "intaglio/core/elementary.h"
+
 namespace intaglio::contact {
 
 struct CircleWave {
@@ -17,7 +19,7 @@ struct CircleWave {
     double value, slope;
   };
   At at(double angle) const {
-    const double cosine = std::cos(angle), sine = std::sin(angle);
+    const auto [sine, cosine] = elementary::sin_cos(angle);
     const double cosine2 = cosine * cosine - sine * sine, sine2 = 2 * sine * cosine;
     return {a * cosine + b * sine + c * cosine2 + d * sine2,
             b * cosine - a * sine + 2 * (d * cosine2 - c * sine2)};
@@ -28,7 +30,7 @@ struct CircleWave {
   template <class Visit>
   void for_each_zero(double middle, double half, const Visit& visit) const {
     const At here = at(middle);
-    const double one = std::hypot(a, b), two = std::hypot(c, d);
+    const double one = elementary::hypot(a, b), two = elementary::hypot(c, d);
     if (std::abs(here.value) > (one + 2 * two) * half) return;
     if (std::abs(here.slope) > (one + 4 * two) * half) {
       const double from = middle - half, to = middle + half, f_from = at(from).value, f_to = at(to).value;

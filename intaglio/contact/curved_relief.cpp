@@ -7,6 +7,7 @@
 #include "intaglio/contact/question.h"
 #include "intaglio/contact/slack.h"
 #include "intaglio/contact/supporting_plane.h"
+#include "intaglio/core/elementary.h"
 
 namespace intaglio::contact {
 
@@ -168,7 +169,7 @@ struct TouchOf {
     constexpr int corners = 16;
     for (int k = 0; k < 2 * corners; ++k) {
       const double angle = k * 2 * std::numbers::pi / corners, end = k < corners ? -1 : 1;
-      const Vec3 out(std::cos(angle), 0, std::sin(angle));
+      const Vec3 out(elementary::cos(angle), 0, elementary::sin(angle));
       const std::array<Vec3, 2> around = {frame.axes * -out, -end * frame.axes.col(1)};
       corner(asked, frame(s.radius * out + end * s.half_height * Vec3::UnitY()), around, k);
     }

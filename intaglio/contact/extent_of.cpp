@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "intaglio/core/elementary.h"
+
 namespace intaglio::contact {
 
 namespace {
@@ -16,7 +18,7 @@ struct HalfExtent {
   double operator()(const Capsule& s) const { return s.radius + s.half_height * std::abs(up.y()); }
   double operator()(const Box& s) const { return s.half.dot(up.cwiseAbs()); }
   double operator()(const Cylinder& s) const {
-    return s.radius * std::hypot(up.x(), up.z()) + s.half_height * std::abs(up.y());
+    return s.radius * elementary::hypot(up.x(), up.z()) + s.half_height * std::abs(up.y());
   }
   double operator()(const ConvexHull&) const { return 0; }
   double operator()(const Mesh&) const { return 0; }

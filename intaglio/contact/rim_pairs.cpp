@@ -9,6 +9,7 @@
 #include "intaglio/contact/rim_patch.h"
 #include "intaglio/contact/rod.h"
 #include "intaglio/contact/slack.h"
+#include "intaglio/core/elementary.h"
 
 namespace intaglio::contact {
 
@@ -23,7 +24,7 @@ class RimSearch {
       : asked_(asked), rim_(rim), circle_(rim.centre, rim.normal, rim.radius) {}
 
   void run() {
-    const double cos_half = std::cos(half_arc), sagitta = rim_.radius * (1 - cos_half);
+    const double cos_half = elementary::cos(half_arc), sagitta = rim_.radius * (1 - cos_half);
     std::array<std::optional<Rod>, arcs> rods;
     std::array<RimPoint, arcs> middles;
     Vec2 low = rim_.centre.head<2>(), high = low;
@@ -115,9 +116,9 @@ class RimSearch {
     const int across = x == 1 ? 1 : 0, along = 1 - across;
     const Vec3 q = leaf.texel(c, r);
     const double size = along == 0 ? leaf.w : leaf.h, a = circle_.u[across], b = circle_.v[across],
-                 amplitude = std::hypot(a, b), off = (q[across] - rim_.centre[across]) / rim_.radius;
+                 amplitude = elementary::hypot(a, b), off = (q[across] - rim_.centre[across]) / rim_.radius;
     if (!(std::abs(off) < amplitude)) return;
-    const double first = std::atan2(b, a), turn = std::acos(off / amplitude);
+    const double first = elementary::atan2(b, a), turn = elementary::acos(off / amplitude);
     for (const double angle : {first - turn, first + turn}) {
       const RimPoint at = circle_.at(angle);
       const double t = (at.point[along] - q[along]) / size;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "intaglio/core/elementary.h"
 #include "intaglio/core/vec.h"
 
 namespace intaglio::contact {
@@ -24,7 +25,10 @@ struct Circle {
     u = axis.cross(other).normalized();
     v = axis.cross(u);
   }
-  RimPoint at(double angle) const { return towards(std::cos(angle) * u + std::sin(angle) * v); }
+  RimPoint at(double angle) const {
+    const auto [sine, cosine] = elementary::sin_cos(angle);
+    return towards(cosine * u + sine * v);
+  }
   // In a direction across the normal.
   RimPoint towards(const Vec3& across) const {
     const Vec3 out = across.normalized();
@@ -75,7 +79,7 @@ class RimPatch {
   // How far the rim's point goes while (s, t) goes over the patch, and so how far off it is at least.
   bool is_beyond(double reach, const Vec3& arc, double cos_half) const {
     const Vec3 middle = patch_.upward(0.5, 0.5), w = across(middle);
-    const double turn = 0.5 * std::abs(patch_.twist) * std::hypot(1 / patch_.w, 1 / patch_.h);
+    const double turn = 0.5 * std::abs(patch_.twist) * elementary::hypot(1 / patch_.w, 1 / patch_.h);
     const double length = w.norm();
     if (length <= 2 * turn) return false;
     if (-w.dot(arc) < (cos_half - 2 * turn / length) * length) return true;

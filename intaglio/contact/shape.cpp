@@ -1,7 +1,8 @@
 #include "intaglio/contact/shape.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "intaglio/core/elementary.h"
 
 namespace intaglio::contact {
 
@@ -11,7 +12,7 @@ struct BoundingRadius {
   double operator()(const Sphere& s) const { return s.radius; }
   double operator()(const Capsule& s) const { return s.half_height + s.radius; }
   double operator()(const Box& s) const { return s.half.norm(); }
-  double operator()(const Cylinder& s) const { return std::hypot(s.radius, s.half_height); }
+  double operator()(const Cylinder& s) const { return elementary::hypot(s.radius, s.half_height); }
   double operator()(const ConvexHull& s) const { return s.form ? s.form->radius : 0; }
   double operator()(const Mesh& s) const { return s.form ? s.form->radius : 0; }
   double operator()(const Compound& s) const {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "intaglio/contact/question.h"
+#include "intaglio/core/elementary.h"
 
 namespace intaglio::contact {
 
@@ -35,7 +36,7 @@ struct CylinderPlanes {
 
   SupportingPlane plane_at(const Vec3& x) const {
     const Vec3 local = frame.back(x);
-    const double across = std::hypot(local.x(), local.z()), side = across - radius,
+    const double across = elementary::hypot(local.x(), local.z()), side = across - radius,
                  end = std::abs(local.y()) - half_height;
     if (end >= side || across == 0) {
       const double sign = local.y() < 0 ? -1 : 1;

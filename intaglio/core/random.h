@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <numbers>
 
+#include "intaglio/core/elementary.h"
+
 namespace intaglio {
 
 class Random {
@@ -23,8 +25,8 @@ class Random {
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
   // Standard normal, by Box and Muller.
   double normal() {
-    const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
-    return radius * std::cos(2.0 * std::numbers::pi * uniform());
+    const double radius = std::sqrt(-2.0 * elementary::log(1.0 - uniform()));
+    return radius * elementary::cos(2.0 * std::numbers::pi * uniform());
   }
 
  private:

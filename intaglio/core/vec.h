@@ -4,7 +4,8 @@
 // surface.
 #pragma once
 
-#include <Eigen/Core>
+#include "intaglio/core/eigen.h"
+//
 #include <Eigen/Geometry>
 
 namespace intaglio {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "intaglio/core/rotation.h"
 #include "intaglio/dynamics/bullet_vec.h"
 
 namespace intaglio::dynamics {
@@ -68,17 +69,10 @@ Pose Approach::predicted(const contact::ContactSet& contacts) const {
       if (excess > 0) v += excess * c.normal;
     }
   }
-  const double angle = spin.norm() * dt;
-  const Quat turn = angle > 0 ? Quat(Eigen::AngleAxisd(angle, spin.normalized())) : Quat::Identity();
-  return {pose.position + v * dt, (turn * pose.orientation).normalized()};
+  return {pose.position + v * dt, (rotation(spin * dt) * pose.orientation).normalized()};
 }
 
 namespace {
-
-// By what angle two poses differ, radians.
-double turned(const Pose& a, const Pose& b) {
-  return a.orientation.angularDistance(b.orientation);
-}
 
 // What the body would be in by more than `slack`. Of a ball, a smaller one is asked: mostly it touches
 // nothing, and that is found out sooner than what a whole one touches.
@@ -129,7 +123,10 @@ Ahead contacts_ahead(const TouchableShape& shape, const contact::Shape& body, co
   Pose later = approach.predicted(now);
   for (int round = 0; round < 3 && add_met(shape, body, approach, later, slack, now); ++round) {
     const Pose next = approach.predicted(now);
-    if ((next.position - later.position).norm() + approach.lever * turned(later, next) < 0.1 * slack) break;
+    if ((next.position - later.position).norm() +
+            approach.lever * angle_between(later.orientation, next.orientation) <
+        0.1 * slack)
+      break;
     later = next;
   }
   return now;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "intaglio/core/elementary.h"
 #include "intaglio/dynamics/bullet_vec.h"
 
 namespace intaglio::dynamics {
@@ -55,7 +56,7 @@ contact::Shape from_convex(const btConvexShape& shape) {
   for (int k = 0; k < directions; ++k) {
     const double z = 1 - (2 * k + 1.0) / directions, angle = k * std::numbers::pi * (3 - std::sqrt(5.0));
     const double across = std::sqrt(1 - z * z);
-    const Vec3 direction(across * std::cos(angle), across * std::sin(angle), z);
+    const Vec3 direction(across * elementary::cos(angle), across * elementary::sin(angle), z);
     points.push_back(from_bullet(shape.localGetSupportingVertex(to_bullet(direction))));
   }
   return hull_of(points);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "intaglio/core/rotation.h"
 #include "intaglio/dynamics/bounce.h"
 #include "intaglio/dynamics/world_state.h"
 
@@ -83,13 +84,13 @@ void World::step() {
 void World::State::drive(double share) {
   for (Body& body : bodies) {
     if (!body.goal) continue;
-    const btTransform from = body.rigid->getWorldTransform();
-    const auto t = static_cast<btScalar>(share);
+    const Pose from = from_bullet(body.rigid->getWorldTransform()), to = from_bullet(*body.goal);
     const bool arrives = share == 1;
     // Bullet takes the speed of a kinematic body from where it was a step ago.
-    body.rigid->setWorldTransform(arrives ? *body.goal
-                                          : btTransform(from.getRotation().slerp(body.goal->getRotation(), t),
-                                                        from.getOrigin().lerp(body.goal->getOrigin(), t)));
+    body.rigid->setWorldTransform(arrives
+                                      ? *body.goal
+                                      : to_bullet(Pose{from.position + share * (to.position - from.position),
+                                                       between(from.orientation, to.orientation, share)}));
     if (arrives) body.goal.reset();
   }
 }

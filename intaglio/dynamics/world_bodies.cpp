@@ -1,4 +1,6 @@
 // How bodies come into a world, and what is done about those that cannot be simulated.
+#include "intaglio/core/eigen.h"
+//
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>

@@ -9,6 +9,7 @@
 #include <cstddef>
 
 #include "intaglio/core/event.h"
+#include "intaglio/core/rotation.h"
 #include "intaglio/core/vec.h"
 
 namespace intaglio::haptics {
@@ -23,11 +24,7 @@ struct BodyMotion {
 
   // Where the body is `seconds` after the snapshot.
   Pose after(double seconds) const {
-    const Vec3 turn = seconds * angular_velocity;
-    const double angle = turn.norm();
-    Pose moved{pose.position + seconds * velocity, pose.orientation};
-    if (angle > 0) moved.orientation = Eigen::AngleAxisd(angle, turn / angle) * pose.orientation;
-    return moved;
+    return {pose.position + seconds * velocity, rotation(seconds * angular_velocity) * pose.orientation};
   }
 };
 

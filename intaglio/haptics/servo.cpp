@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "intaglio/core/elementary.h"
+
 namespace intaglio::haptics {
 
 namespace {
@@ -42,13 +44,14 @@ PenServo::PenServo(std::shared_ptr<const surface::Surface> surface, std::shared_
     : surface_(std::move(surface)),
       solid_(std::move(solid)),
       options_(options),
-      stiffness_(ContactStiffness::felt(options.spring.stiffness / std::pow(options.workspace.scale, 2))),
-      spring_{options.spring.stiffness / std::pow(options.workspace.scale, 2),
-              options.spring.damping / std::pow(options.workspace.scale, 2)},
+      stiffness_(ContactStiffness::felt(options.spring.stiffness /
+                                        (options.workspace.scale * options.workspace.scale))),
+      spring_{options.spring.stiffness / (options.workspace.scale * options.workspace.scale),
+              options.spring.damping / (options.workspace.scale * options.workspace.scale)},
       plane_(std::min(options.plane_rate, options.rate)),
       passivity_(passivity_options(stiffness_, options.rate)),
       guard_(options.limits),
-      keep_(std::exp(-2 * std::numbers::pi * options.velocity_cutoff / options.rate)) {
+      keep_(elementary::exp(-2 * std::numbers::pi * options.velocity_cutoff / options.rate)) {
   options_.method = HapticMethod::potential;
   options_.pen.direction.normalize();
 }

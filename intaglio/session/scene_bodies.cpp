@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "intaglio/core/material_reader.h"
+#include "intaglio/core/rotation.h"
 #include "intaglio/session/letter.h"
 #include "intaglio/session/scene_reader.h"
 
@@ -97,8 +98,7 @@ void read_colour(TomlReader& r, Vec3& colour) {
 
 Quat rotation_of(const Vec3& degrees) {
   const Vec3 r = degrees * std::numbers::pi / 180;
-  return Eigen::AngleAxisd(r.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(r.y(), Vec3::UnitY()) *
-         Eigen::AngleAxisd(r.x(), Vec3::UnitX());
+  return rotation(r.z(), Vec3::UnitZ()) * rotation(r.y(), Vec3::UnitY()) * rotation(r.x(), Vec3::UnitX());
 }
 
 void read_direction(TomlReader& r, const char* key, Vec3& direction) {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "intaglio/core/rotation.h"
+
 namespace intaglio::session {
 
 namespace {
@@ -63,7 +65,7 @@ void SceneWorld::turn_flippers(unsigned keys) {
     const bool pressed = (keys & (flipper.key == 0 ? left_key : right_key)) != 0;
     const double turn = step_ / flipper_seconds;
     struck_[k] = std::clamp(struck_[k] + (pressed ? turn : -turn), 0.0, 1.0);
-    const Quat turned(Eigen::AngleAxisd(struck_[k] * flipper.sweep * std::numbers::pi / 180, flipper.axis));
+    const Quat turned = rotation(struck_[k] * flipper.sweep * std::numbers::pi / 180, flipper.axis);
     const Pose& rest = bodies_[k].body.pose;
     world_.drive(body(k), {rest.to_world(flipper.pivot - turned * flipper.pivot), rest.orientation * turned});
   }

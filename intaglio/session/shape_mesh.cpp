@@ -1,8 +1,9 @@
 #include "intaglio/session/shape_mesh.h"
 
 #include <array>
-#include <cmath>
 #include <numbers>
+
+#include "intaglio/core/elementary.h"
 
 namespace intaglio::session {
 
@@ -58,8 +59,8 @@ Mesh capsule(double r, double h) {
   for (const double side : {-1.0, 1.0}) {
     for (int k = 0; k <= stacks; ++k) {
       const double angle = 0.5 * std::numbers::pi * (side < 0 ? k - stacks : k) / stacks;
-      profile.push_back(
-          {r * std::cos(angle), side * h + r * std::sin(angle), std::cos(angle), std::sin(angle)});
+      profile.push_back({r * elementary::cos(angle), side * h + r * elementary::sin(angle),
+                         elementary::cos(angle), elementary::sin(angle)});
     }
   }
   return along_y(render::lathe(profile, 48));

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cmath>
 #include <numbers>
+
+#include "intaglio/core/elementary.h"
 
 namespace intaglio::sound {
 
@@ -17,17 +18,17 @@ double effective_modulus(const Material& a, const Material& b) {
 double hertz_contact_duration(double mass, double radius, double modulus, double speed) {
   assert(mass > 0 && radius > 0 && modulus > 0);
   if (!(speed > 0)) return longest_contact;
-  const double duration = 2.87 * std::pow(mass * mass / (radius * modulus * modulus * speed), 0.2);
+  const double duration = 2.87 * elementary::pow(mass * mass / (radius * modulus * modulus * speed), 0.2);
   return std::clamp(duration, shortest_contact, longest_contact);
 }
 
 double hertz_patch_radius(double force, double radius, double modulus) {
-  return std::cbrt(0.75 * std::max(force, 0.0) * radius / modulus);
+  return elementary::cbrt(0.75 * std::max(force, 0.0) * radius / modulus);
 }
 
 double HalfSine::given(double time) const {
   const double phase = std::clamp((time - start) / duration, 0.0, 1.0);
-  return 0.5 * (1 - std::cos(std::numbers::pi * phase));
+  return 0.5 * (1 - elementary::cos(std::numbers::pi * phase));
 }
 
 void HalfSine::sample(double time, double dt, std::span<float> out) const {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "intaglio/core/elementary.h"
+
 namespace intaglio::sound {
 
 EarGains ear_gains(const Listener& listener, const Vec3& source) {
@@ -13,8 +15,9 @@ EarGains ear_gains(const Listener& listener, const Vec3& source) {
   const double loudness = 1 / std::max(distance, Listener::nearest);
   const double side = distance > 0 ? std::clamp(way.dot(listener.right) / distance, -1.0, 1.0) : 0;
   const double angle = 0.25 * std::numbers::pi * (side + 1);
-  return {static_cast<float>(std::numbers::sqrt2 * loudness * std::cos(angle)),
-          static_cast<float>(std::numbers::sqrt2 * loudness * std::sin(angle))};
+  const auto [sine, cosine] = elementary::sin_cos(angle);
+  return {static_cast<float>(std::numbers::sqrt2 * loudness * cosine),
+          static_cast<float>(std::numbers::sqrt2 * loudness * sine)};
 }
 
 }  // namespace intaglio::sound

@@ -4,8 +4,9 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <unsupported/Eigen/FFT>
 
+#include "intaglio/core/elementary.h"
+#include "intaglio/core/fourier.h"
 #include "intaglio/core/random.h"
 
 namespace intaglio::sound {
@@ -34,12 +35,13 @@ MicroNoise::MicroNoise(const MicroRoughness& roughness, std::uint64_t seed)
   for (std::size_t k = 1; k < table_size / 2; ++k) {
     const double wavenumber = 2 * std::numbers::pi * static_cast<double>(k) / (table_size * spacing_);
     const double relative = std::max(wavenumber * roughness.correlation_length, 1.0);
-    const double magnitude = std::pow(relative, 0.5 * roughness.spectral_slope);
-    spectrum[k] = std::polar(magnitude, 2 * std::numbers::pi * random.uniform());
+    const double magnitude = elementary::pow(relative, 0.5 * roughness.spectral_slope);
+    const auto [sine, cosine] = elementary::sin_cos(2 * std::numbers::pi * random.uniform());
+    spectrum[k] = {magnitude * cosine, magnitude * sine};
     spectrum[table_size - k] = std::conj(spectrum[k]);
   }
-  std::vector<std::complex<double>> noise;
-  Eigen::FFT<double>().inv(noise, spectrum);
+  std::vector<std::complex<double>> noise(table_size);
+  Fourier<double>(table_size, true)(noise.data(), spectrum.data());
   double power = 0;
   for (const auto& x : noise) power += x.real() * x.real() / table_size;
   double sum = 0;

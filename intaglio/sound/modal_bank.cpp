@@ -8,6 +8,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "intaglio/core/elementary.h"
 #include "intaglio/sound/denormals.h"
 
 namespace intaglio::sound {
@@ -56,8 +57,10 @@ ModalBank::ModalBank(std::span<const Resonator> resonators, double sample_rate)
     const double omega = resonators[m].angular_frequency, d = resonators[m].damping;
     const double radiation = resonators[m].radiation;
     const double omega_d = std::sqrt(omega * omega - d * d);
-    group.turn_re[lane] = static_cast<float>(std::exp(-d * dt) * std::cos(omega_d * dt));
-    group.turn_im[lane] = static_cast<float>(std::exp(-d * dt) * std::sin(omega_d * dt));
+    const double decay = elementary::exp(-d * dt);
+    const auto [sine, cosine] = elementary::sin_cos(omega_d * dt);
+    group.turn_re[lane] = static_cast<float>(decay * cosine);
+    group.turn_im[lane] = static_cast<float>(decay * sine);
     // w = radiation (1 + i d / omega_d), so that Re(w z) = radiation (Re z - d / omega_d Im z).
     group.drive_re[lane] = static_cast<float>(radiation);
     group.drive_im[lane] = static_cast<float>(radiation * d / omega_d);
@@ -118,7 +121,7 @@ int ModalBank::sounding_groups() const {
 void ModalBank::fade(int group) {
   if (!is_sounding(group)) return;
   is_fading_[std::size_t(group)] = 1;
-  const auto faster = static_cast<float>(std::exp(-1 / (fade_time * sample_rate_)));
+  const auto faster = static_cast<float>(elementary::exp(-1 / (fade_time * sample_rate_)));
   for (std::size_t lane = 0; lane < resonator_lanes; ++lane) {
     groups_[std::size_t(group)].turn_re[lane] *= faster;
     groups_[std::size_t(group)].turn_im[lane] *= faster;

@@ -5,6 +5,8 @@
 #include <array>
 #include <cassert>
 
+// Vectors whose size is not known when this is compiled cannot be held in arrays.
+#define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "intaglio/sound/resonator_kernel.cpp"
 #include <hwy/foreach_target.h>

@@ -1,8 +1,9 @@
 #include "intaglio/sound/rubbing.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
+
+#include "intaglio/core/elementary.h"
 
 namespace intaglio::sound {
 
@@ -100,7 +101,7 @@ bool Rubbing::sample(std::int64_t first, double dt, std::span<float> out) {
       out[k] = 0;
       continue;
     }
-    const double fade = 0.5 + 0.5 * std::cos(std::numbers::pi * rest);
+    const double fade = 0.5 + 0.5 * elementary::cos(std::numbers::pi * rest);
     out[k] = static_cast<float>(micro(now, fade, dt) + meso(now, fade, dt));
   }
   return true;

@@ -13,7 +13,7 @@ ModalModel scaled(const ModalModel& model, double scale) {
   ModalModel out;
   out.name = model.name;
   out.material = model.material;
-  out.mass = model.mass * std::pow(scale, 3);
+  out.mass = model.mass * scale * scale * scale;
   out.area = model.area * scale * scale;
   out.residual = model.residual;
   out.modes_found = model.modes_found;
@@ -23,7 +23,7 @@ ModalModel scaled(const ModalModel& model, double scale) {
   for (const Vec3& point : model.points) out.points.push_back(scale * point);
   out.grid = TriangleGrid(out.points, out.triangles);
 
-  const double shape_scale = std::pow(scale, -1.5);
+  const double shape_scale = 1 / (scale * std::sqrt(scale));
   std::vector<std::size_t> kept;
   for (std::size_t m = 0; m < model.angular_frequency.size(); ++m) {
     const double omega = model.angular_frequency[m] / scale;

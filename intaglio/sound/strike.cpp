@@ -12,7 +12,7 @@ constexpr double blow_duration = 1e-3;  // s, of the step in whose middle the bl
 }  // namespace
 
 double Mallet::mass() const {
-  return material.density * 4 / 3 * std::numbers::pi * std::pow(radius, 3);
+  return material.density * 4 / 3 * std::numbers::pi * radius * radius * radius;
 }
 
 SurfacePoint nearest_surface(const ModalModel& model, const Vec3& point) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <span>
 
+#include "intaglio/core/elementary.h"
 #include "intaglio/core/vec.h"
 #include "intaglio/surface/closest.h"
 
@@ -15,7 +16,7 @@ class Cones {
  public:
   // `sign` is 1 for an asking point above the relief, -1 below; min_angle in radians.
   Cones(std::span<const Feature> found, double sign, double min_angle)
-      : found_(found), sign_(sign), cos_(std::cos(min_angle)), sin_(std::sin(min_angle)) {}
+      : found_(found), sign_(sign), cos_(elementary::cos(min_angle)), sin_(elementary::sin(min_angle)) {}
 
   bool empty() const { return found_.empty(); }
   std::size_t size() const { return found_.size(); }

@@ -1,26 +1,21 @@
 #include "intaglio/surface/fft.h"
 
+#include <algorithm>
 #include <cstddef>
-#include <unsupported/Eigen/FFT>
+
+#include "intaglio/core/fourier.h"
 
 namespace intaglio::surface {
 
 void fft2(std::vector<std::complex<float>>& data, int width, int height, Transform transform) {
   using Complex = std::complex<float>;
-  Eigen::FFT<float> fft;
-  const auto run = [&](Complex* out, const Complex* in, int n) {
-    if (transform == Transform::forward) {
-      fft.fwd(out, in, n);
-    } else {
-      fft.inv(out, in, n);
-    }
-  };
+  Fourier<float> row(width, transform == Transform::inverse), column(height, transform == Transform::inverse);
   const auto w = static_cast<std::size_t>(width);
   const auto h = static_cast<std::size_t>(height);
   std::vector<Complex> line(w), spectrum(w);
   for (std::size_t y = 0; y < h; ++y) {
     std::copy_n(data.begin() + static_cast<std::ptrdiff_t>(y * w), w, line.begin());
-    run(data.data() + y * w, line.data(), width);
+    row(data.data() + y * w, line.data());
   }
   // Columns, sixteen at a time: one cache line a row instead of one value.
   constexpr std::size_t batch = 16;
@@ -31,7 +26,7 @@ void fft2(std::vector<std::complex<float>>& data, int width, int height, Transfo
       for (std::size_t k = 0; k < n; ++k) columns[k * h + y] = data[y * w + x0 + k];
     }
     for (std::size_t k = 0; k < n; ++k) {
-      run(out.data(), columns.data() + k * h, height);
+      column(out.data(), columns.data() + k * h);
       std::copy(out.begin(), out.end(), columns.begin() + static_cast<std::ptrdiff_t>(k * h));
     }
     for (std::size_t y = 0; y < h; ++y) {

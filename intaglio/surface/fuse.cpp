@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "intaglio/core/elementary.h"
 #include "intaglio/surface/fft.h"
 
 namespace intaglio::surface {
@@ -45,7 +46,7 @@ Derivative derivative(int n, bool central) {
     const int signed_k = 2 * k < n ? k : k - n;
     const double omega = 2 * std::numbers::pi * signed_k / n;
     // The Nyquist frequency of a real field has no derivative.
-    d[static_cast<std::size_t>(k)] = 2 * k == n ? 0 : central ? std::sin(omega) : omega;
+    d[static_cast<std::size_t>(k)] = 2 * k == n ? 0 : central ? elementary::sin(omega) : omega;
   }
   return d;
 }

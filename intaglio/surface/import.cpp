@@ -67,7 +67,7 @@ Result<Loaded> load(const TextureFiles& files, bool single) {
 
 // One step of a map of so many bits, as a share of its range.
 double step_of(int bits) {
-  return 1.0 / (std::exp2(std::min(bits, 24)) - 1);
+  return 1.0 / (std::ldexp(1.0, std::min(bits, 24)) - 1);
 }
 
 std::string name_of(const fs::path& path) {

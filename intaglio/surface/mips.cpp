@@ -1,5 +1,6 @@
 #include "intaglio/surface/mips.h"
 
+#include "intaglio/core/elementary.h"
 #include "intaglio/surface/mip_filter.h"
 
 namespace intaglio::surface {
@@ -65,7 +66,7 @@ std::vector<Sums> halved(const Grid& grid, const Grid& half, const Fine& fine) {
 }  // namespace
 
 Vec2 slope_of(const Vec3& normal) {
-  const double across = std::hypot(normal.x(), normal.y());
+  const double across = elementary::hypot(normal.x(), normal.y());
   // n_z >= across / steepest is the limit on the slope's length, and also avoids 0 / 0.
   return -normal.head<2>() / std::max(normal.z(), std::max(across / steepest_slope, 1e-9));
 }

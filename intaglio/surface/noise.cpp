@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "intaglio/core/elementary.h"
 #include "intaglio/core/random.h"
 
 namespace intaglio::surface {
@@ -23,7 +24,8 @@ double periodic_noise(double u, double v, int frequency_u, int frequency_v, std:
   const auto gradient = [&](int di, int dj) {
     const double angle =
         2 * std::numbers::pi * lattice_hash((i + di) % frequency_u, (j + dj) % frequency_v, seed);
-    return std::cos(angle) * (x - i - di) + std::sin(angle) * (y - j - dj);
+    const auto [sine, cosine] = elementary::sin_cos(angle);
+    return cosine * (x - i - di) + sine * (y - j - dj);
   };
   const auto fade = [](double t) { return t * t * t * (t * (t * 6 - 15) + 10); };
   const double s = fade(x - i);

@@ -8,9 +8,9 @@
 // Internal to surface/; pure, no allocation.
 #pragma once
 
-#include <Eigen/Core>
 #include <limits>
 
+#include "intaglio/core/eigen.h"
 #include "intaglio/core/vec.h"
 
 namespace intaglio::surface {

@@ -1,9 +1,10 @@
 #include "intaglio/surface/pyramid.h"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "intaglio/core/eigen.h"
 
 namespace intaglio::surface {
 

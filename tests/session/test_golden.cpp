@@ -35,9 +35,13 @@ Image8 first_picture(const Scene& scene, const SceneSurface& surface) {
   return (*renderer)->draw(ScenePicture(scene, surface).frame(balls, bodies, std::nullopt));
 }
 
+// Of blocks, 0..255.
 struct Difference {
-  double mean = 0, worst = 0;  // of blocks, 0..255
+  double mean = 0, worst = 0;
   bool is_seen() const { return mean > 0.8 || worst > 30; }
+  // llvmpipe draws to the bit what it drew, but for rounding where a processor has other instructions: 0.0013
+  // and 0.04 were seen. More is a change of the picture, to be looked at and kept.
+  bool is_other_drawing() const { return mean > 0.02 || worst > 0.5; }
 };
 
 Difference compare(const Image8& a, const Image8& b) {
@@ -99,10 +103,17 @@ bool have_gl() {
   return context.has_value();
 }
 
+// The driver that the kept pictures were drawn by; others filter textures in ways of their own.
+bool is_llvmpipe() {
+  const auto context = render::EglContext::create();
+  return context && render::description_of_current().starts_with("llvmpipe");
+}
+
 }  // namespace
 
 TEST_CASE("each scene looks as it did when somebody looked") {
   if (!have_gl()) return;
+  const bool same_driver = is_llvmpipe();
   int scenes = 0;
   for (const auto& entry : std::filesystem::directory_iterator(INTAGLIO_SOURCE_DIR "/scenes")) {
     if (entry.path().extension() != ".toml") continue;
@@ -117,6 +128,7 @@ TEST_CASE("each scene looks as it did when somebody looked") {
     MESSAGE(entry.path().stem().string()
             << ": blocks differ by " << d.mean << " in the mean, " << d.worst << " at most");
     CHECK_FALSE(d.is_seen());
+    if (same_driver) CHECK_FALSE(d.is_other_drawing());
     ++scenes;
   }
   CHECK(scenes >= 9);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "intaglio/core/elementary.h"
 #include "intaglio/surface/builtin/fractal.h"
 
 namespace intaglio::surface {
@@ -74,12 +75,12 @@ class Rosette : public DetailField {
     const double unit = place.spot.half.minCoeff();
     const Vec2 p = place.spot.local / unit;
     const double r = p.norm();
-    const double angle = std::atan2(p.y(), p.x());
-    const double petals = 0.24 + 0.34 * std::abs(std::cos(0.5 * layer_.count * angle));
-    const double leaves = 0.20 + 0.18 * std::abs(std::sin(0.5 * layer_.count * angle));
+    const double angle = elementary::atan2(p.y(), p.x());
+    const double petals = 0.24 + 0.34 * std::abs(elementary::cos(0.5 * layer_.count * angle));
+    const double leaves = 0.20 + 0.18 * std::abs(elementary::sin(0.5 * layer_.count * angle));
     const double corner = (p.cwiseAbs() - Vec2(1, 1)).norm();
     const double width = layer_.width / unit;
-    const auto line = [width](double off) { return std::exp(-off * off / (width * width)); };
+    const auto line = [width](double off) { return elementary::exp(-off * off / (width * width)); };
     const double filled = std::max(smoothstep(leaves, leaves - 0.05, r), line(r - petals));
     return std::max({filled, line(r - 0.70), line(corner - 0.46), smoothstep(0.30, 0.25, corner)});
   }
@@ -98,7 +99,7 @@ std::unique_ptr<DetailField> make_detail(const LayerRecipe& layer, const Layout&
       return shaped(layer, seed, [t = layer.threshold](double noise) { return std::max(0.0, -(noise + t)); });
     case Detail::veins:
       return shaped(layer, seed,
-                    [w = layer.width](double noise) { return std::exp(-noise * noise / (w * w)); });
+                    [w = layer.width](double noise) { return elementary::exp(-noise * noise / (w * w)); });
     case Detail::steps:
       return shaped(layer, seed,
                     [n = layer.count, t = layer.threshold](double noise) { return terraced(noise, n, t); });

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "intaglio/core/elementary.h"
 #include "intaglio/surface/noise.h"
 
 namespace intaglio::surface {
@@ -15,7 +16,7 @@ Fractal::Fractal(int frequency_u, int frequency_v, int octaves, double gain, std
     for (int j = 0; j < octave.rows; ++j) {
       for (int i = 0; i < octave.columns; ++i) {
         const double angle = 2 * std::numbers::pi * lattice_hash(i, j, seed + static_cast<std::uint64_t>(o));
-        octave.gradients.push_back({std::cos(angle), std::sin(angle)});
+        octave.gradients.push_back({elementary::cos(angle), elementary::sin(angle)});
       }
     }
     octaves_.push_back(std::move(octave));

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "intaglio/core/elementary.h"
 #include "intaglio/core/random.h"
 #include "intaglio/surface/builtin/detail.h"
 #include "intaglio/surface/builtin/fractal.h"
@@ -58,7 +59,7 @@ class Grain : public DetailField {
     const auto chance = [&](std::uint64_t k) { return lattice_hash(place.spot.i, place.spot.j, seed_ + k); };
     const double pith = 1.6 * (chance(60) - 0.5) * place.spot.half.y();
     const double under = (0.15 + 1.2 * chance(61)) * place.spot.half.y();
-    return layer_.count * std::hypot(place.spot.local.y() + shift - pith, under);
+    return layer_.count * elementary::hypot(place.spot.local.y() + shift - pith, under);
   }
 
   // 0 in the early wood to 1 in the late; a ring is stronger or weaker by chance.
@@ -72,7 +73,7 @@ class Grain : public DetailField {
 
   // From a dark heart over rings of its own to the darker bark that it keeps, at `rho` radii.
   static double knot_darkness(double rho) {
-    const double rings = 0.10 * std::cos(2 * std::numbers::pi * 2.5 * rho);
+    const double rings = 0.10 * elementary::cos(2 * std::numbers::pi * 2.5 * rho);
     const double heart = 0.55 + 0.20 * smoothstep(0.5, 0.0, rho) + 0.25 * smoothstep(0.6, 0.95, rho);
     return heart + rings;
   }
@@ -84,8 +85,8 @@ class Grain : public DetailField {
       const double dx = nearest_image(place.u - knot.middle.x()) / knot.radius;
       const double dy = nearest_image(place.v - knot.middle.y()) / knot.radius;
       if (std::abs(dx) > 14 || std::abs(dy) > 8) continue;
-      detour.shift -= dy * knot.radius * std::exp(-dx * dx / 14 - dy * dy / 5);
-      const double rho = std::hypot(dx / 1.3, dy) * (1 + 0.35 * bend_(3 * place.u, 3 * place.v));
+      detour.shift -= dy * knot.radius * elementary::exp(-dx * dx / 14 - dy * dy / 5);
+      const double rho = elementary::hypot(dx / 1.3, dy) * (1 + 0.35 * bend_(3 * place.u, 3 * place.v));
       if (rho > 1.12) continue;
       detour.in_knot = smoothstep(1.12, 0.95, rho);
       detour.knot = knot_darkness(rho);

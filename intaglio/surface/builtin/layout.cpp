@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "intaglio/core/elementary.h"
+
 namespace intaglio::surface {
 
 namespace {
@@ -37,7 +39,7 @@ std::unique_ptr<Cells> make_cells(const LayoutRecipe& recipe, std::uint64_t seed
 double inside_box(const Vec2& local, const Vec2& half, const LayoutRecipe& recipe) {
   const double qx = std::abs(local.x()) - (half.x() - 0.5 * recipe.joint - recipe.corner);
   const double qy = std::abs(local.y()) - (half.y() - 0.5 * recipe.joint - recipe.corner);
-  const double past_corner = std::hypot(std::max(qx, 0.0), std::max(qy, 0.0));
+  const double past_corner = elementary::hypot(std::max(qx, 0.0), std::max(qy, 0.0));
   return recipe.corner - past_corner - std::min(std::max(qx, qy), 0.0);
 }
 

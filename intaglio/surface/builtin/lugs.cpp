@@ -2,6 +2,7 @@
 // as they are long they are round.
 #include <numbers>
 
+#include "intaglio/core/elementary.h"
 #include "intaglio/surface/builtin/layout.h"
 
 namespace intaglio::surface {
@@ -32,7 +33,7 @@ class Lugs : public Cells {
     const double x = std::abs(local.x());
     const double y = std::abs(local.y());
     const bool beyond_tip = (x - half_length) * offset > y * half_length;
-    return beyond_tip ? -std::hypot(x - half_length, y) : circle - std::hypot(x, y + offset);
+    return beyond_tip ? -elementary::hypot(x - half_length, y) : circle - elementary::hypot(x, y + offset);
   }
 
   LayoutRecipe r_;

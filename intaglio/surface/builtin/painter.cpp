@@ -1,8 +1,8 @@
 #include "intaglio/surface/builtin/painter.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "intaglio/core/elementary.h"
 #include "intaglio/surface/noise.h"
 
 namespace intaglio::surface {
@@ -56,10 +56,11 @@ Sample Painter::on_face(double u, double v, const Spot& spot) const {
   const Coat c = coat(On::pieces, u, v, spot, piece_colour(spot));
   const double tilt = (chance(spot, 1) - 0.5) * spot.local.x() / spot.half.x() +
                       (chance(spot, 2) - 0.5) * spot.local.y() / spot.half.y();
-  const double wear = p.wear * std::exp(-std::max(0.0, spot.inside - p.bevel) / (0.6 * p.bevel));
+  const double wear = p.wear * elementary::exp(-std::max(0.0, spot.inside - p.bevel) / (0.6 * p.bevel));
   const double depth =
       p.face + p.lift * chance(spot, 0) + p.tilt * tilt + p.crown * (1 - spot.rise) + c.depth + wear;
-  const double rim = r_.colour.rim_amount * std::exp(-std::max(0.0, spot.inside) / r_.colour.rim_reach);
+  const double rim =
+      r_.colour.rim_amount * elementary::exp(-std::max(0.0, spot.inside) / r_.colour.rim_reach);
   const Vec2& range = r_.colour.shade;
   const double shade = c.shade * (range.x() + (range.y() - range.x()) * chance(spot, 3));
   return {depth, ((c.colour + rim * (r_.colour.rim - c.colour)) * shade).cwiseMin(1.0)};

@@ -3,6 +3,7 @@
 #include <numbers>
 #include <vector>
 
+#include "intaglio/core/elementary.h"
 #include "intaglio/core/random.h"
 #include "intaglio/surface/builtin/layout.h"
 
@@ -61,11 +62,12 @@ class Scatter : public Cells {
     Random random(seed + 30);
     for (int s = 0; s < recipe.stones; ++s) {
       // Few large ones, many small.
-      const double share = std::pow(1 - double(s) / recipe.stones, 2.2);
+      const double share = elementary::pow(1 - double(s) / recipe.stones, 2.2);
       const double radius = recipe.radius.x() + share * (recipe.radius.y() - recipe.radius.x());
       const double slender = random.uniform(0.62, 0.95);
       const double angle = random.uniform(0, std::numbers::pi);
-      Stone stone{Vec2::Zero(), Vec2(radius, slender * radius), Vec2(std::cos(angle), std::sin(angle)), 0, 0};
+      Stone stone{Vec2::Zero(), Vec2(radius, slender * radius),
+                  Vec2(elementary::cos(angle), elementary::sin(angle)), 0, 0};
       // Half buried: all rest in the same bed, large ones rise higher.
       stone.dome = 0.90 * stone.half.y() / recipe.radius.y();
       stone.top = std::min(1.0, stone.dome + random.uniform(0.02, 0.16));

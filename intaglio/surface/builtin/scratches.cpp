@@ -3,6 +3,7 @@
 #include <numbers>
 #include <vector>
 
+#include "intaglio/core/elementary.h"
 #include "intaglio/core/random.h"
 #include "intaglio/surface/builtin/detail.h"
 
@@ -26,8 +27,8 @@ class Scratches : public DetailField {
       const double v = random.uniform(), u = random.uniform();  // in one order on every compiler
       const Vec2 middle(u, v);
       const double length = layer.length * random.uniform(0.25, 1);
-      scratches_.push_back({middle, Vec2(std::cos(angle), std::sin(angle)), 0.5 * length, 0.5 * layer.width,
-                            random.uniform(0.3, 1)});
+      scratches_.push_back({middle, Vec2(elementary::cos(angle), elementary::sin(angle)), 0.5 * length,
+                            0.5 * layer.width, random.uniform(0.3, 1)});
       put_in_bins(k);
     }
   }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "intaglio/core/elementary.h"
 #include "intaglio/surface/builtin/layout.h"
 
 namespace intaglio::surface {
@@ -29,7 +30,7 @@ class Weave : public Cells {
     const double inside = radius_ - std::abs(off);
     const double over = ((k + family) & 1) != 0 ? -1 : 1;
     // From -1 to 2 radii: the middle swings by one radius, the round wire stands one above.
-    const double swing = over * std::cos(std::numbers::pi * (along - 0.5));
+    const double swing = over * elementary::cos(std::numbers::pi * (along - 0.5));
     const double height = swing + std::sqrt(std::max(0.0, 1 - off * off / (radius_ * radius_)));
     return {wrapped(k, wires),      family,          inside, Vec2(along_side, off),
             Vec2(endless, radius_), (height + 1) / 3};

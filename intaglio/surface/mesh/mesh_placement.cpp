@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "intaglio/core/elementary.h"
 #include "intaglio/surface/mesh/base_patch.h"
 #include "intaglio/surface/mesh/triangle_tree.h"
 #include "intaglio/surface/mesh/uv_grid.h"
@@ -132,7 +133,7 @@ std::optional<BasePoint> MeshPlacement::closest(const Vec3& world, double reach)
   Candidate best;
   for (double disc = 2 * base_->bounds[static_cast<std::size_t>(flat.triangle)].radius; best.triangle < 0;
        disc *= 2) {
-    const double radius = std::min(reach, std::hypot(distance, disc));
+    const double radius = std::min(reach, elementary::hypot(distance, disc));
     best = base_->nearest_base(world, radius);
     if (radius == reach) break;
   }

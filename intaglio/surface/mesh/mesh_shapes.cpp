@@ -5,6 +5,8 @@
 #include <functional>
 #include <numbers>
 
+#include "intaglio/core/elementary.h"
+
 namespace intaglio::surface {
 
 namespace {
@@ -32,7 +34,7 @@ TriangleMesh revolve(const std::function<Profile(double v)>& profile, Turn turn,
     for (int column = 0; column <= around; ++column) {
       const double shift = is_pole(row) ? 0.5 : 0;
       const double angle = static_cast<int>(turn) * 2 * std::numbers::pi * (column % around) / around;
-      const Vec3 out(std::cos(angle), 0, -std::sin(angle));
+      const Vec3 out(elementary::cos(angle), 0, -elementary::sin(angle));
       mesh.positions.emplace_back(at.radius * out + at.y * Vec3::UnitY());
       mesh.normals.emplace_back(at.normal_radius * out + at.normal_y * Vec3::UnitY());
       mesh.uvs.emplace_back((column + shift) / around, v);
@@ -52,8 +54,8 @@ TriangleMesh revolve(const std::function<Profile(double v)>& profile, Turn turn,
 // The circle at latitude `angle`; exactly on the axis at a pole.
 Profile on_circle(double radius, double angle, double side) {
   const bool pole = std::abs(angle) > std::numbers::pi / 2 - 1e-9;
-  const double c = pole ? 0 : std::cos(angle);
-  const double s = pole ? std::copysign(1.0, angle) : std::sin(angle);
+  const double c = pole ? 0 : elementary::cos(angle);
+  const double s = pole ? std::copysign(1.0, angle) : elementary::sin(angle);
   return {radius * c, radius * s, side * c, side * s};
 }
 

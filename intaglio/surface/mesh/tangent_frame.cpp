@@ -5,6 +5,8 @@
 #include <numeric>
 #include <tuple>
 
+#include "intaglio/core/elementary.h"
+
 namespace intaglio::surface {
 
 namespace {
@@ -38,7 +40,7 @@ double corner_angle(const TriangleMesh& mesh, const Triangle& triangle, std::siz
   };
   const Vec3 a = laid_into_plane(n, position(corner + 1) - position(corner));
   const Vec3 b = laid_into_plane(n, position(corner + 2) - position(corner));
-  return std::acos(std::clamp(a.dot(b), -1.0, 1.0));
+  return elementary::acos(std::clamp(a.dot(b), -1.0, 1.0));
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "intaglio/core/elementary.h"
+
 namespace intaglio::haptics::vrpn {
 
 static constexpr double lap = 4;               // s
@@ -14,8 +16,9 @@ static std::vector<Waypoint> laps() {
   std::vector<Waypoint> path;
   for (int k = 0; k * lap / 8 <= lasting; ++k) {
     const double angle = k * std::numbers::pi / 4;
-    path.push_back(
-        {k * lap / 8, {0.03 * std::cos(angle), 0.005 + 0.015 * std::cos(angle), 0.03 * std::sin(angle)}});
+    path.push_back({k * lap / 8,
+                    {0.03 * elementary::cos(angle), 0.005 + 0.015 * elementary::cos(angle),
+                     0.03 * elementary::sin(angle)}});
   }
   return path;
 }
@@ -31,7 +34,7 @@ ServedPhantom::ServedPhantom(const PhantomOptions& options)
 void ServedPhantom::tick(double dt, Time now) {
   if (asked_.any() && std::chrono::duration<double>(now - asked_at_).count() > options_.silence) release();
   const Vec3 position = device_.read();
-  const double keep = std::exp(-2 * std::numbers::pi * velocity_cutoff * dt);
+  const double keep = elementary::exp(-2 * std::numbers::pi * velocity_cutoff * dt);
   state_.velocity = keep * state_.velocity + (1 - keep) * (position - state_.position) / dt;
   state_.position = position;
   state_.contact = asked_.contact(position);

@@ -1,0 +1,39 @@
+// Rotations by an angle. Eigen's and Bullet's ask libm for sines; these give the same bits everywhere
+// (core/elementary.h).
+#pragma once
+
+#include <cmath>
+
+#include "intaglio/core/elementary.h"
+#include "intaglio/core/vec.h"
+
+namespace intaglio {
+
+// By `angle` radians about a unit axis.
+inline Quat rotation(double angle, const Vec3& axis) {
+  const auto [sine, cosine] = elementary::sin_cos(0.5 * angle);
+  const Vec3 v = sine * axis;
+  return Quat(cosine, v.x(), v.y(), v.z());
+}
+
+// By a vector along the axis, as long as the angle (radians): an angular velocity times a time.
+inline Quat rotation(const Vec3& turn) {
+  const double angle = turn.norm();
+  return angle > 0 ? rotation(angle, turn / angle) : Quat::Identity();
+}
+
+// By what angle two orientations differ, 0..pi.
+inline double angle_between(const Quat& a, const Quat& b) {
+  const Quat d = a.conjugate() * b;
+  return 2 * elementary::atan2(d.vec().norm(), std::abs(d.w()));
+}
+
+// The orientation a share t of the shorter way from a to b.
+inline Quat between(const Quat& a, const Quat& b, double t) {
+  const Quat d = a.conjugate() * b;
+  const double across = d.vec().norm();
+  if (!(across > 0)) return a;
+  return a * rotation(std::copysign(t * angle_between(a, b), d.w()), d.vec() / across);
+}
+
+}  // namespace intaglio
