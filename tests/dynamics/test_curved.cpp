@@ -50,7 +50,8 @@ TEST_CASE("a ball rolls to and fro in a smooth bowl at the frequency of the clos
   CHECK(aside < 0.01 * R);
 }
 
-TEST_CASE("a ball in a relief-mapped bowl: energy never rises, and it comes to rest in a dimple") {
+TEST_CASE(
+    "a ball in a relief-mapped bowl: energy never rises, and it comes to rest in a dimple or at the bottom") {
   const double R = 0.5, r = 0.03;
   // Dimples, 8 around and 8 up, 5 mm deep, but none at the bottom, where the map's sides meet.
   const double depth = 0.005;
@@ -86,7 +87,9 @@ TEST_CASE("a ball in a relief-mapped bowl: energy never rises, and it comes to r
                  << ", depth " << dimples->depth(under->uv) << ", speed "
                  << vec(body.getLinearVelocity()).norm());
     CHECK(vec(body.getLinearVelocity()).norm() < 1e-3);
-    CHECK(dimples->depth(under->uv) > 0.5 * depth);
+    // In a dimple, or at the bottom itself, where there are none: the last bits decide which.
+    const bool at_bottom = 20 * under->uv.y() < 1;
+    CHECK((at_bottom || dimples->depth(under->uv) > 0.5 * depth));
     CHECK(highest - first < 1e-4 * g * r);
     CHECK(rise < 1e-3 * g * r);
     CHECK(at.norm() < R);
