@@ -22,6 +22,20 @@ inline Quat rotation(const Vec3& turn) {
   return angle > 0 ? rotation(angle, turn / angle) : Quat::Identity();
 }
 
+// The shortest that turns the direction of one vector into that of another; of opposite ones about any axis
+// across. Eigen's FromTwoVectors, without its singular value decomposition, which costs 6 s to compile.
+inline Quat rotation_onto(const Vec3& from, const Vec3& to) {
+  const Vec3 a = from.normalized(), b = to.normalized();
+  const double cosine = b.dot(a);
+  if (cosine < -1 + 1e-12) {
+    const Vec3 across = a.cross(std::abs(a.x()) < 0.6 ? Vec3::UnitX() : Vec3::UnitY()).normalized();
+    return Quat(0, across.x(), across.y(), across.z());
+  }
+  const double s = std::sqrt((1 + cosine) * 2);
+  const Vec3 v = a.cross(b) * (1 / s);
+  return Quat(s * 0.5, v.x(), v.y(), v.z());
+}
+
 // By what angle two orientations differ, 0..pi.
 inline double angle_between(const Quat& a, const Quat& b) {
   const Quat d = a.conjugate() * b;

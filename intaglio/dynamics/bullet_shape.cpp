@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "intaglio/core/elementary.h"
+#include "intaglio/core/rotation.h"
 #include "intaglio/dynamics/bullet_vec.h"
 
 namespace intaglio::dynamics {
@@ -14,7 +15,7 @@ namespace {
 contact::Shape along(const contact::Shape& shape, int axis) {
   if (axis == 1) return shape;
   const Vec3 to = axis == 0 ? Vec3::UnitX() : Vec3::UnitZ();
-  return contact::make_compound({{shape, {Vec3::Zero(), Quat::FromTwoVectors(Vec3::UnitY(), to)}}});
+  return contact::make_compound({{shape, {Vec3::Zero(), rotation_onto(Vec3::UnitY(), to)}}});
 }
 
 contact::Shape from_compound(const btCompoundShape& shape) {

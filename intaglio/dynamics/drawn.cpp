@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "intaglio/contact/relief.h"
+#include "intaglio/core/rotation.h"
 #include "intaglio/surface/closest.h"
 
 namespace intaglio::dynamics {
@@ -33,7 +34,7 @@ double flat_gap(const surface::Surface& map, const contact::Shape& shape, const 
 Drawn::Drawn(const surface::Surface& map, const surface::Surface& relief, const Vec2& mean_slope)
     : map_(map), relief_(relief), mean_slope_(mean_slope) {
   const surface::Placement& place = map.placement();
-  turned_back_ = Quat::FromTwoVectors(
+  turned_back_ = rotation_onto(
       place.direction_to_world(Vec3(-mean_slope.x(), -mean_slope.y(), 1).normalized()), place.n());
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "intaglio/core/rotation.h"
 #include "intaglio/render/height_levels.h"
 #include "intaglio/render/mesh.h"
 
@@ -130,7 +131,7 @@ Eigen::Matrix4f model_matrix(const Pose& pose, double scale, const surface::Plac
 }
 
 Pose pen_pose(const Pen& pen) {
-  return {pen.tip, Quat::FromTwoVectors(Vec3::UnitZ(), pen.direction)};
+  return {pen.tip, rotation_onto(Vec3::UnitZ(), pen.direction)};
 }
 
 }  // namespace intaglio::render

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "intaglio/core/rotation.h"
 #include "intaglio/haptics/contact_stiffness.h"
 #include "intaglio/haptics/limits.h"
 #include "intaglio/sound/level.h"
@@ -229,7 +230,7 @@ void Simulation::step_servo() {
 
 Pose Simulation::pen_pose(const Vec3& tip) const {
   const Vec3 up = scene_.pen->direction.normalized();
-  return {tip + 0.5 * scene_.pen->length * up, Quat::FromTwoVectors(Vec3::UnitY(), up)};
+  return {tip + 0.5 * scene_.pen->length * up, rotation_onto(Vec3::UnitY(), up)};
 }
 
 ContactEvent Simulation::pen_event(const haptics::ServoSample& sample, double time) const {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "intaglio/haptics/devices/vrpn/wire.h"
+#include "tests/source_folder.h"
 
 namespace intaglio::haptics::vrpn {
 
@@ -23,7 +24,7 @@ inline std::string value_of(const std::string& line, const std::string& key) {
 
 // Empty where the captures, which are kept outside the project, are absent.
 inline std::vector<Chunk> read_capture(const std::string& name) {
-  std::ifstream file(std::string(INTAGLIO_SHARED_DIR) + "/vrpn/captures/" + name);
+  std::ifstream file(std::string(tests::shared_folder) + "/vrpn/captures/" + name);
   std::vector<Chunk> chunks;
   for (std::string line; std::getline(file, line);) {
     Chunk chunk{value_of(line, "from"), value_of(line, "channel"), {}};

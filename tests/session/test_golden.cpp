@@ -13,13 +13,14 @@
 #include "intaglio/session/scene_picture.h"
 #include "intaglio/surface/image_file.h"
 #include "tests/skipped.h"
+#include "tests/source_folder.h"
 
 namespace intaglio::session {
 
 namespace {
 
 constexpr int width = 240, height = 135, block = 5;
-const std::filesystem::path folder = INTAGLIO_SOURCE_DIR "/tests/session/golden";
+const std::filesystem::path folder = std::string(tests::source_folder) + "/tests/session/golden";
 
 Image8 first_picture(const Scene& scene, const SceneSurface& surface) {
   render::RendererOptions options;
@@ -115,7 +116,8 @@ TEST_CASE("each scene looks as it did when somebody looked") {
   if (!have_gl()) return;
   const bool same_driver = is_llvmpipe();
   int scenes = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(INTAGLIO_SOURCE_DIR "/scenes")) {
+  for (const auto& entry :
+       std::filesystem::directory_iterator(std::string(tests::source_folder) + "/scenes")) {
     if (entry.path().extension() != ".toml") continue;
     const auto scene = read_scene(entry.path());
     REQUIRE_MESSAGE(scene.has_value(), (scene ? "" : scene.error().message()));
@@ -136,7 +138,7 @@ TEST_CASE("each scene looks as it did when somebody looked") {
 
 TEST_CASE("rows, green or depth the wrong way are seen") {
   if (!have_gl()) return;
-  const auto scene = read_scene(INTAGLIO_SOURCE_DIR "/scenes/rolling.toml");
+  const auto scene = read_scene(std::string(tests::source_folder) + "/scenes/rolling.toml");
   REQUIRE(scene);
   const auto surface = make_surface(*scene);
   REQUIRE(surface);

@@ -6,6 +6,7 @@
 #include "intaglio/session/covered_texels.h"
 #include "intaglio/session/scene.h"
 #include "intaglio/session/scene_surface.h"
+#include "tests/source_folder.h"
 
 using namespace intaglio;
 using namespace intaglio::session;
@@ -24,7 +25,7 @@ bool has(const std::string& text, const std::string& part) {
 }  // namespace
 
 TEST_CASE("the scenes of the project are read") {
-  const auto scene = read_scene(std::string(INTAGLIO_SOURCE_DIR) + "/scenes/brick.toml");
+  const auto scene = read_scene(std::string(tests::source_folder) + "/scenes/brick.toml");
   REQUIRE_MESSAGE(scene, (scene ? "" : scene.error().message()));
   CHECK(scene->duration >= 8);
   CHECK(scene->balls.size() == 1);
@@ -108,7 +109,7 @@ TEST_CASE("values that make no sense are errors with line and what would be righ
 }
 
 TEST_CASE("textures and bases that cannot be taken are errors of the scene's line, with file and reason") {
-  const std::string sheet = std::string(INTAGLIO_SOURCE_DIR) + "/tests/CMakeLists.txt";
+  const std::string sheet = std::string(tests::source_folder) + "/tests/CMakeLists.txt";
   const struct {
     std::string text;
     const char* line;

@@ -8,6 +8,7 @@
 #include "intaglio/session/scene_base.h"
 #include "intaglio/session/scene_picture.h"
 #include "intaglio/session/scene_world.h"
+#include "tests/source_folder.h"
 
 using namespace intaglio;
 using namespace intaglio::session;
@@ -20,7 +21,7 @@ struct Played {
   std::unique_ptr<SceneWorld> world;
 
   explicit Played(const std::string& name, Representation representation = Representation::relief) {
-    auto read = read_scene(std::string(INTAGLIO_SOURCE_DIR) + "/scenes/" + name + ".toml");
+    auto read = read_scene(std::string(tests::source_folder) + "/scenes/" + name + ".toml");
     REQUIRE_MESSAGE(read, (read ? "" : read.error().message()));
     scene = std::move(*read);
     auto made = make_surface(scene);

@@ -9,6 +9,7 @@
 #include "intaglio/session/scene_surface.h"
 #include "intaglio/session/voices.h"
 #include "intaglio/sound/model_file.h"
+#include "tests/source_folder.h"
 #include "tests/temporary_folder.h"
 
 using namespace intaglio;
@@ -17,7 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const fs::path scenes = INTAGLIO_SOURCE_DIR "/scenes";
+const fs::path scenes = std::string(tests::source_folder) + "/scenes";
 
 Scene small_scene() {
   return parse_scene(

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "intaglio/core/rotation.h"
 #include "intaglio/sound/meso.h"
 
 using namespace intaglio;
@@ -52,7 +53,7 @@ TEST_CASE("Eq. 1.4: p_n is zero on a flat map and grows linearly with speed and 
   CHECK(rc::check([] {
     const Vec3 n_g = vector(1).normalized();
     RC_PRE(n_g.allFinite());
-    const Mat3 frame = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), n_g).toRotationMatrix();
+    const Mat3 frame = rotation_onto(Vec3::UnitZ(), n_g).toRotationMatrix();
     const Vec3 n_s = frame * upward_normal();
     const Vec3 v = vector(5);
     const Vec3 v_t = v - v.dot(n_g) * n_g;

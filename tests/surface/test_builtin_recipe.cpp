@@ -6,6 +6,7 @@
 
 #include "intaglio/core/file.h"
 #include "intaglio/surface/builtin/builtin.h"
+#include "tests/source_folder.h"
 
 using namespace intaglio;
 using namespace intaglio::surface;
@@ -26,7 +27,7 @@ bool contains(const std::string& text, const std::string& part) {
 TEST_CASE("every recipe file is embedded as it is") {
   std::size_t files = 0;
   for (const auto& entry :
-       std::filesystem::directory_iterator(std::filesystem::path(INTAGLIO_SOURCE_DIR) / "materials")) {
+       std::filesystem::directory_iterator(std::filesystem::path(tests::source_folder) / "materials")) {
     if (entry.path().extension() != ".toml") continue;
     ++files;
     const auto bytes = read_file(entry.path(), 1u << 20);
@@ -46,7 +47,7 @@ TEST_CASE("every recipe file is embedded as it is") {
 
 TEST_CASE("the example of docs/materials.md is a recipe") {
   const auto bytes =
-      read_file(std::filesystem::path(INTAGLIO_SOURCE_DIR) / "docs" / "materials.md", 1u << 20);
+      read_file(std::filesystem::path(tests::source_folder) / "docs" / "materials.md", 1u << 20);
   REQUIRE(bytes.has_value());
   const std::string page(reinterpret_cast<const char*>(bytes->data()), bytes->size());
   const std::string opening = "```toml\n";

@@ -9,6 +9,7 @@
 #include "intaglio/surface/maps.h"
 #include "intaglio/surface/noise.h"
 #include "tests/skipped.h"
+#include "tests/source_folder.h"
 
 using namespace intaglio;
 using namespace intaglio::surface;
@@ -65,7 +66,7 @@ TEST_CASE("maps of different surfaces are flagged, and so is a flat height") {
 }
 
 TEST_CASE("the conventions of real textures are found") {
-  const std::filesystem::path shared = std::filesystem::path(INTAGLIO_SHARED_DIR) / "textures";
+  const std::filesystem::path shared = std::filesystem::path(tests::shared_folder) / "textures";
   if (!std::filesystem::exists(shared)) {
     tests::skipped("no real textures in ../shared/textures");
     return;

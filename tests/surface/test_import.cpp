@@ -8,6 +8,7 @@
 #include "intaglio/surface/import.h"
 #include "intaglio/surface/maps.h"
 #include "tests/skipped.h"
+#include "tests/source_folder.h"
 #include "tests/surface/brick_surface.h"
 #include "tests/surface/test_image_encoders.h"
 #include "tests/temporary_folder.h"
@@ -252,7 +253,7 @@ TEST_CASE("an image larger than the limits is refused before it is decoded") {
 }
 
 TEST_CASE("real textures import") {
-  const fs::path shared = fs::path(INTAGLIO_SHARED_DIR) / "textures";
+  const fs::path shared = fs::path(tests::shared_folder) / "textures";
   if (!fs::exists(shared)) {
     tests::skipped("no real textures in ../shared/textures");
     return;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "intaglio/core/rotation.h"
 #include "intaglio/session/cost.h"
 #include "intaglio/session/simulation.h"
 #include "intaglio/session/union_solid.h"
@@ -274,7 +275,7 @@ ContactEvent LiveSession::pen_event() {
   event.v_t = velocity - velocity.dot(event.n_g) * event.n_g;
   event.impulse = report_.force * event.duration;
   const Vec3 up = scene_.pen->direction.normalized();
-  event.body_pose = {report_.proxy + 0.5 * scene_.pen->length * up, Quat::FromTwoVectors(Vec3::UnitY(), up)};
+  event.body_pose = {report_.proxy + 0.5 * scene_.pen->length * up, rotation_onto(Vec3::UnitY(), up)};
   return event;
 }
 
