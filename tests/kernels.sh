@@ -26,6 +26,11 @@ under() { # KERNEL COMMAND...
     env OPENBLAS_CORETYPE="$kernel" "$@"
   fi
 }
+# A name that OpenBLAS does not know, or another BLAS, would compare a kernel with itself.
+for kernel in "${kernels[@]}"; do
+  core=$(OPENBLAS_VERBOSE=2 under "$kernel" "$build/intaglio" --version 2>&1 | sed -n 's/^Core: //p' | head -1)
+  [ "$core" = "$kernel" ] || [ "$kernel/$core" = reference/ ] || { echo "kernel $kernel: what runs is \"$core\"" >&2; exit 1; }
+done
 python3 - "$work" <<'PY'
 import math, sys
 for sides in range(3, 9):

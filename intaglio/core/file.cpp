@@ -1,5 +1,9 @@
 #include "intaglio/core/file.h"
 
+#include <fcntl.h>
+#include <sys/random.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
@@ -72,20 +76,31 @@ Result<std::vector<std::uint8_t>> read_file(const fs::path& path, std::uintmax_t
   return bytes;
 }
 
-fs::path temporary_for(const fs::path& path) {
-  // Before the extension, so that tools which choose a format by it still do.
-  return path.parent_path() / (path.stem().string() + ".part" + path.extension().string());
+Result<fs::path> temporary_for(const fs::path& path) {
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    std::uint32_t number = 0;
+    if (getrandom(&number, sizeof number, 0) < 0) break;
+    // Before the extension, so that tools which choose a format by it still do.
+    const fs::path name = path.parent_path() / fmt::format("{}.{:08x}.part{}", path.stem().string(), number,
+                                                           path.extension().string());
+    const int file = open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (file >= 0) {
+      close(file);
+      return name;
+    }
+    if (errno != EEXIST) break;
+  }
+  return fail(path.string(), std::string("cannot be written: ") + std::strerror(errno),
+              "name a place you may write to");
 }
 
 Result<void> check_writable(const fs::path& path) {
   if (auto target = check_target(path); !target) return target;
   if (auto made = make_folder(path); !made) return made;
+  const auto temporary = temporary_for(path);
+  if (!temporary) return tl::unexpected(temporary.error());
   std::error_code ignored;
-  const fs::path temporary = temporary_for(path);
-  const bool writable = static_cast<bool>(open_file(temporary, "wb"));
-  const std::string reason = writable ? "" : std::strerror(errno);
-  fs::remove(temporary, ignored);
-  if (!writable) return fail(path.string(), "cannot be written: " + reason, "name a place you may write to");
+  fs::remove(*temporary, ignored);
   return {};
 }
 
@@ -98,15 +113,19 @@ Result<void> check_named(const fs::path& path, const std::string& extension, con
 
 Result<void> write_file(const fs::path& path, std::span<const std::uint8_t> bytes) {
   if (auto target = check_target(path); !target) return target;
-  if (auto made = make_folder(path); !made) return made;
-  const fs::path temporary = temporary_for(path);
+  if (auto folder = make_folder(path); !folder) return folder;
+  const auto made = temporary_for(path);
+  if (!made) return tl::unexpected(made.error());
+  const fs::path& temporary = *made;
+  std::error_code error;
   File file = open_file(temporary, "wb");
-  if (!file)
-    return fail(path.string(), std::string("cannot be written: ") + std::strerror(errno),
-                "name a place you may write to");
+  if (!file) {
+    const std::string reason = std::strerror(errno);
+    fs::remove(temporary, error);
+    return fail(path.string(), "cannot be written: " + reason, "name a place you may write to");
+  }
   const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size();
   const bool closed = std::fclose(file.release()) == 0;  // a full disk is often noticed only here
-  std::error_code error;
   if (!written || !closed) {
     const std::string reason = std::strerror(errno);
     fs::remove(temporary, error);

@@ -23,8 +23,10 @@ Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path,
 Result<void> write_file(const std::filesystem::path& path, std::span<const std::uint8_t> bytes);
 Result<void> write_file(const std::filesystem::path& path, std::string_view text);
 
-// The temporary that stands for `path` while it is being written.
-std::filesystem::path temporary_for(const std::filesystem::path& path);
+// A new, empty file beside `path`, to be written and renamed onto it; whoever asked for it removes it when
+// that fails. Its name is its own (a file that exists is never touched, nor a link followed), so that two
+// processes may write one target: the last to finish wins, whole.
+Result<std::filesystem::path> temporary_for(const std::filesystem::path& path);
 
 // Makes sure, before any long work, that `path` can be written: creates its folder and a temporary, and
 // removes the latter.

@@ -62,7 +62,8 @@ Result<void> run_limited(const std::filesystem::path& program, const std::vector
   using Clock = std::chrono::steady_clock;
   const auto end = Clock::now() + std::chrono::duration<double>(limits.seconds);
   int status = 0;
-  for (auto pause = std::chrono::milliseconds(1); waitpid(child, &status, WNOHANG) == 0;) {
+  pid_t ended = 0;
+  for (auto pause = std::chrono::milliseconds(1); (ended = waitpid(child, &status, WNOHANG)) == 0;) {
     if (Clock::now() > end) {
       kill(-child, SIGKILL);
       waitpid(child, &status, 0);
@@ -72,6 +73,10 @@ Result<void> run_limited(const std::filesystem::path& program, const std::vector
     pause = std::min(2 * pause, std::chrono::milliseconds(50));
   }
   kill(-child, SIGKILL);  // what it may have left behind
+  if (ended != child)
+    return tl::unexpected(
+        complaint(program, fmt::format("ended, but how is not known ({}; does the host ignore SIGCHLD?)",
+                                       std::strerror(errno))));
   if (WIFSIGNALED(status))
     return tl::unexpected(complaint(program, fmt::format("crashed ({})", strsignal(WTERMSIG(status)))));
   if (WEXITSTATUS(status) != 0)

@@ -47,13 +47,11 @@ Result<pid_t> start(const std::vector<std::string>& words, int input) {
 // Waits for the end of a process; whether it ended well.
 bool ended_well(pid_t process) {
   int status = 0;
-  while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
+  pid_t ended;
+  while ((ended = waitpid(process, &status, 0)) < 0 && errno == EINTR) {
   }
-  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
-}
-
-fs::path beside(const fs::path& target, const std::string& mark) {
-  return target.parent_path() / (target.stem().string() + mark + target.extension().string());
+  // Where the host ignores SIGCHLD nobody can say how it ended.
+  return ended == process && WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 }  // namespace
@@ -78,8 +76,11 @@ Result<std::unique_ptr<VideoWriter>> VideoWriter::create(const fs::path& target,
   std::unique_ptr<VideoWriter> writer(new VideoWriter);
   writer->ffmpeg_ = *ffmpeg;
   writer->target_ = target;
-  writer->silent_ = beside(target, ".silent");
-  writer->joined_ = temporary_for(target);
+  for (fs::path* const file : {&writer->silent_, &writer->joined_}) {
+    auto temporary = temporary_for(target);
+    if (!temporary) return tl::unexpected(temporary.error());
+    *file = std::move(*temporary);
+  }
   signal(SIGPIPE, SIG_IGN);  // an encoder that dies is an error of ours, not the end of us
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0)

@@ -50,12 +50,14 @@ void LiveSound::keep_pace(double known, double end) {
   now_.delay = std::max(ahead, 0.0);
 }
 
-// Before physics has told its time, nobody knows when its events are.
-void LiveSound::take_events() {
+// Events cannot be placed before the first advance(). Those of a step that is not over wait for the rest of
+// it: a step's points are one contact only together, and the offset may change in between.
+void LiveSound::take_events(double known) {
   if (!has_begun_) return;
   const auto now = std::chrono::steady_clock::now();
   while (const Item* const item = queue_.front()) {
     ContactEvent event = item->event;
+    if (event.time > known) break;
     const std::chrono::duration<double> waited = now - item->pushed;
     event.time += offset_;
     const double latency = waited.count() + std::max(0.0, event.time - synthesizer_.time());
@@ -73,8 +75,9 @@ void LiveSound::take_events() {
 
 void LiveSound::render(std::span<float> stereo) noexcept {
   const double end = synthesizer_.time() + double(stereo.size() / 2) / synthesizer_.sample_rate();
-  keep_pace(known_.load(std::memory_order_acquire), end);
-  take_events();
+  const double known = known_.load(std::memory_order_acquire);
+  keep_pace(known, end);
+  take_events(known);
   synthesizer_.set_listener(listener_.fetch());
   synthesizer_.render_stereo(stereo);
   to_full_scale(stereo, stereo, {gain_db_.load(std::memory_order_relaxed)});

@@ -61,7 +61,7 @@ class LiveSound : public AudioSource {
   };
 
   void keep_pace(double known, double end);
-  void take_events();
+  void take_events(double known);
 
   Synthesizer synthesizer_;
   LiveOptions options_;

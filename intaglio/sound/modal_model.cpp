@@ -49,24 +49,41 @@ Result<void> check_elements(const TetMesh& mesh) {
 
 }  // namespace
 
-float shape_unit(const ModalModel& model, int mode) {
-  float most = 0;
+std::vector<float> shape_units(const ModalModel& model) {
   const auto modes = std::size_t(model.modes());
-  for (std::size_t k = std::size_t(mode); k < model.shapes.size(); k += modes)
-    most = std::max(most, std::abs(model.shapes[k]));
-  int exponent = 0;
-  // most < 2^exponent; 15 bits and a sign hold multiples of 2^(exponent - 15) below it.
-  std::frexp(most, &exponent);
-  return most > 0 ? std::ldexp(1.0f, exponent - 15) : 1.0f;
+  std::vector<float> units(modes, 0.0f);
+  for (auto row = model.shapes.begin(); row != model.shapes.end(); row += std::ptrdiff_t(modes)) {
+    for (std::size_t m = 0; m < modes; ++m) units[m] = std::max(units[m], std::abs(row[std::ptrdiff_t(m)]));
+  }
+  for (float& unit : units) {
+    int exponent = 0;
+    // The largest is below 2^exponent; 15 bits and a sign hold multiples of 2^(exponent - 15) below it.
+    std::frexp(unit, &exponent);
+    unit = unit >= 0x1p-100f ? std::ldexp(1.0f, exponent - 15) : 1.0f;  // less than that is nothing
+  }
+  return units;
 }
 
 void round_shapes(ModalModel& model) {
-  const auto modes = std::size_t(model.modes());
-  for (std::size_t m = 0; m < modes; ++m) {
-    const float unit = shape_unit(model, int(m));
-    for (std::size_t k = m; k < model.shapes.size(); k += modes)
-      model.shapes[k] = std::clamp(std::nearbyint(model.shapes[k] / unit), -32767.0f, 32767.0f) * unit;
+  const std::vector<float> units = shape_units(model);
+  const std::vector<std::int16_t> whole = rounded_shapes(model, units);
+  for (std::size_t k = 0; k < whole.size();) {
+    for (const float unit : units) {
+      model.shapes[k] = float(whole[k]) * unit;
+      ++k;
+    }
   }
+}
+
+std::vector<std::int16_t> rounded_shapes(const ModalModel& model, std::span<const float> units) {
+  std::vector<std::int16_t> whole;
+  whole.reserve(model.shapes.size());
+  for (std::size_t k = 0; k < model.shapes.size();) {
+    for (const float unit : units)
+      whole.push_back(static_cast<std::int16_t>(
+          std::clamp(std::nearbyint(model.shapes[k++] / unit), -32767.0f, 32767.0f)));
+  }
+  return whole;
 }
 
 Hash bake_inputs(const Material& m, const BakeOptions& options) {

@@ -34,7 +34,8 @@ struct ModalModel {
 
   std::vector<Vec3> points;         // of the surface, as many as sound needs
   std::vector<Triangle> triangles;  // outward
-  std::vector<float> shapes;  // point by point: x of every mode, then y, then z; of 16 bits (round_shapes)
+  std::vector<float>
+      shapes;  // point by point: x of every mode, then y, then z; baked ones of 16 bits (round_shapes)
   TriangleGrid grid;
   // Of shapes between the points, linear over the triangles, against those of the elements: root mean square
   // over the surface, relative, of the worst mode.
@@ -66,16 +67,18 @@ struct BakeOptions {
   std::string source = {};
 };
 
-// Rounds each mode's shape to multiples of shape_unit(), the power of two by which all of it fits into 16
-// bits: 90 dB below its largest. Model files store that, so that a model read is the model that was written.
+// Shapes are kept in 16 bits: as multiples of a unit for each mode, the power of two by which its largest
+// value fits, so within a 32,767th of it (90 dB below). round_shapes() rounds a model's to that, so that a
+// model read is the model that was written; again it changes nothing.
 void round_shapes(ModalModel& model);
-float shape_unit(const ModalModel& model, int mode);
+std::vector<float> shape_units(const ModalModel& model);
+std::vector<std::int16_t> rounded_shapes(const ModalModel& model, std::span<const float> units);
 
 // Raised when models of the same inputs come out differently.
 inline constexpr int baker_version = 4;
 
 // The identity of a model begins with these; whoever bakes adds what the mesh is made from. Equal identities
-// are the same model, on whatever machine it was baked.
+// are the same model, within the tolerances of docs/determinism.md if it was baked on other machines.
 Hash bake_inputs(const Material& material, const BakeOptions& options);
 
 // Modal analysis of a free body. Overdamped modes do not ring and are left out. Takes seconds: see

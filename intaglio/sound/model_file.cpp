@@ -115,14 +115,8 @@ std::vector<std::uint8_t> model_bytes(const ModalModel& model) {
   const auto radiation = builder.CreateVector(model.radiation);
   const auto point_list = builder.CreateVectorOfStructs(points);
   const auto face_list = builder.CreateVectorOfStructs(faces);
-  const auto modes = std::size_t(model.modes());
-  std::vector<float> units;
-  for (std::size_t mode = 0; mode < modes; ++mode) units.push_back(shape_unit(model, int(mode)));
-  std::vector<std::int16_t> rounded;
-  rounded.reserve(model.shapes.size());
-  for (std::size_t k = 0; k < model.shapes.size(); ++k)
-    rounded.push_back(static_cast<std::int16_t>(
-        std::clamp(std::nearbyint(model.shapes[k] / units[k % modes]), -32767.0f, 32767.0f)));
+  const std::vector<float> units = shape_units(model);
+  const std::vector<std::int16_t> rounded = rounded_shapes(model, units);
   const auto shapes = builder.CreateVector(rounded);
   const auto shape_units = builder.CreateVector(units);
   file::FinishModelBuffer(
@@ -169,11 +163,15 @@ Result<ModalModel> parse_model(std::span<const std::uint8_t> bytes, const std::s
   const std::vector<std::int16_t> rounded = copied<std::int16_t>(*from.shapes());
   const std::vector<float> units =
       from.shape_unit() ? copied<float>(*from.shape_unit()) : std::vector<float>();
-  if (units.size() != model.angular_frequency.size())
+  if (units.size() != model.angular_frequency.size() ||
+      (!units.empty() && rounded.size() % units.size() != 0))
     return fail(name, "its shapes have not one unit for each mode", "bake it again");
+  if (!std::all_of(units.begin(), units.end(), [](float u) { return u >= 0x1p-120f && u <= 0x1p120f; }))
+    return fail(name, "a unit of its shapes is not a number that can be", "bake it again");
   model.shapes.reserve(rounded.size());
-  for (std::size_t k = 0; k < rounded.size() && !units.empty(); ++k)
-    model.shapes.push_back(float(rounded[k]) * units[k % units.size()]);
+  for (auto whole = rounded.begin(); whole != rounded.end() && !units.empty();) {
+    for (const float unit : units) model.shapes.push_back(float(*whole++) * unit);
+  }
   if (auto sound = check_modes(model, name); !sound) return tl::unexpected(sound.error());
   if (auto sound = check_surface(model, name); !sound) return tl::unexpected(sound.error());
   model.grid = TriangleGrid(model.points, model.triangles);

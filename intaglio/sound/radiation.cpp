@@ -21,7 +21,7 @@ constexpr double supersonic = 1.4;  // times the wave number of the shape: from 
 constexpr std::size_t most_points = 600;  // of a surface whose near field is solved
 // In radians across a triangle: beyond, what is radiated no longer depends on the frequency.
 constexpr double finest_phase = 2;
-constexpr double slow_beat = 0.1;  // of the decay rate: a beat that is gone before it is heard
+constexpr double slow_beat = 0.01;  // of the decay rate: a beat that is gone before it is heard
 
 // Evenly over half of all directions: a Fibonacci spiral.
 Vec3 direction(int k, int directions) {
@@ -232,7 +232,7 @@ double most_radiated(double damping) {
   return std::sqrt(air_density * speed_of_sound * damping / (2 * std::numbers::pi));
 }
 
-void limit_radiation(ModalModel& model) {
+std::vector<double> radiated_share(const ModalModel& model) {
   const auto count = Eigen::Index(model.modes());
   const Eigen::MatrixXd kin = kinship(model.angular_frequency, model.damping);
   Eigen::VectorXd power(count), most(count);
@@ -241,8 +241,17 @@ void limit_radiation(ModalModel& model) {
     most[m] = std::pow(most_radiated(model.damping[std::size_t(m)]), 2);
   }
   const Eigen::VectorXd is = kin * power, may_be = kin * most;
-  for (Eigen::Index m = 0; m < count; ++m) {
-    if (is[m] > may_be[m]) model.radiation[std::size_t(m)] *= std::sqrt(may_be[m] / is[m]);
+  std::vector<double> share;
+  for (Eigen::Index m = 0; m < count; ++m)
+    share.push_back(is[m] > 0 ? std::sqrt(is[m] / std::max(may_be[m], 1e-300)) : 0);
+  return share;
+}
+
+void limit_radiation(ModalModel& model, std::span<const double> before) {
+  const std::vector<double> share = radiated_share(model);
+  for (std::size_t m = 0; m < share.size(); ++m) {
+    const double limit = before.empty() ? 1.0 : std::max(1.0, before[m]);
+    if (share[m] > limit) model.radiation[m] *= limit / share[m];
   }
 }
 

@@ -44,12 +44,13 @@ struct VibratingSurface {
 };
 
 // How far two vibrations sound as one, a row and a column for each: 1 where they beat so slowly that they
-// have died away long before, falling to 0 where they differ by more than a tenth of their decay rate (1/s).
+// have died away long before, falling to 0 where they differ by more than a fiftieth of their decay rate
+// (1/s).
 Eigen::MatrixXd kinship(std::span<const double> omega, std::span<const double> damping);
 
 // Pa at 1 m of each vibration, at its angular frequency: amplitude for amplitude, so that a velocity in rms
-// gives a pressure in rms. Any rotation among vibrations that are kin leaves the sum over them, each times
-// its pressure, unchanged. Some 100 to 500 sines a triangle and vibration, and one near_potential().
+// gives a pressure in rms. A rotation among vibrations whose kinship is 1 leaves the sum over them, each
+// times its pressure, unchanged. Some 100 to 500 sines a triangle and vibration, and one near_potential().
 std::vector<double> radiated_pressure(const VibratingSurface& surface, std::span<const double> omega,
                                       const Eigen::MatrixXd& kin);
 // Of vibrations of which none is another's kin: positive.
@@ -57,11 +58,14 @@ std::vector<double> radiated_pressure(const VibratingSurface& surface, std::span
 
 // What a mode of that damping (1/s) gives away when air takes all that it loses: Pa at 1 m for a modal
 // velocity of 1. Power 4 pi p^2 / (2 rho c) is at most 2 d times the energy 1/2. The material's damping is
-// that of the body in air, so nothing is louder.
+// that of the body in air, so no mode that is alone is louder.
 double most_radiated(double damping);
 
-// Turns the radiation of each group of kin down to what most_radiated() allows it.
-void limit_radiation(ModalModel& model);
+// Of each mode, how loud it and its kin are together for what most_radiated() allows them together. A single
+// combination of n kin is all that sounds of them (it is what one direction hears), and may reach sqrt(n).
+std::vector<double> radiated_share(const ModalModel& model);
+// Turns modes down to a share of 1, or to what each had before, if that was more.
+void limit_radiation(ModalModel& model, std::span<const double> before = {});
 
 // m^3/s through a model's surface, of each mode.
 Eigen::RowVectorXd volume_velocity(const ModalModel& model);

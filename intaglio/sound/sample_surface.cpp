@@ -11,6 +11,7 @@ namespace intaglio::sound {
 namespace {
 
 constexpr int probed_groups = 16;     // of modes of one frequency, whose shapes are compared while points go
+constexpr int most_probed = 48;       // modes, or one group more
 constexpr double least_turn = 0.3;    // cosine between a triangle's normals before and after
 constexpr double least_shape = 0.05;  // of a triangle: twice its area over its longest edge squared
 
@@ -33,7 +34,7 @@ Probes probes_of(const ModalModel& model) {
   const int groups = int(first.size()) - 1;
   Probes probes;
   std::vector<int> modes;
-  for (int k = 0; k < std::min(probed_groups, groups); ++k) {
+  for (int k = 0; k < std::min(probed_groups, groups) && int(modes.size()) < most_probed; ++k) {
     const auto g = std::size_t(groups - 1 - (k < probed_groups / 2 ? k : k * groups / probed_groups));
     probes.segments.push_back({Eigen::Index(3 * modes.size()), 3 * (first[g + 1] - first[g])});
     for (Eigen::Index m = first[g]; m < first[g + 1]; ++m) modes.push_back(int(m));

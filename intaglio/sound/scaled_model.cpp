@@ -35,7 +35,11 @@ ModalModel scaled(const ModalModel& model, double scale) {
     // Wavelengths grow as the body does, so only how far and how fast its surface moves is another.
     out.radiation.push_back(model.radiation[m] * scale * shape_scale);
   }
-  limit_radiation(out);
+  // A mode that was merged from several had the allowance of all of them.
+  const std::vector<double> share = radiated_share(model);
+  std::vector<double> before;
+  for (const std::size_t m : kept) before.push_back(share[m]);
+  limit_radiation(out, before);
   const std::size_t modes = model.angular_frequency.size();
   for (std::size_t row = 0; row < 3 * model.points.size(); ++row) {
     for (const std::size_t m : kept)

@@ -31,8 +31,10 @@ Vec3 default_strike_point(const ModalModel& model) {
   for (const int axis : {2, 0}) {
     if (half[axis] < 0.999 * half[across]) across = axis;
   }
-  Vec3 target = Vec3(0.37, 0.37, 0.29).cwiseProduct(half);
+  Vec3 target;
   target[across] = half[across];
+  target[(across + 1) % 3] = 0.37 * half[(across + 1) % 3];
+  target[(across + 2) % 3] = 0.29 * half[(across + 2) % 3];
   return nearest_surface(model, box.center() + target).point;
 }
 

@@ -29,7 +29,6 @@ class Hands {
   void follow(double seconds, const Settings& settings, session::LiveSession& session, double aspect);
 
   void look_from(const render::Camera& camera) { camera_ = ViewCamera(camera); }
-  void let_go() { dragging_.reset(); }
   void reset() { ++controls_.resets; }
   void single() { ++controls_.single; }
   void home() { camera_.home(); }
@@ -41,11 +40,6 @@ class Hands {
     shoulders_ = shoulders;
   }
 
-  // A new session starts counting anew.
-  void begin_session() {
-    controls_ = {};
-    dragging_.reset();
-  }
   const ViewCamera& camera() const { return camera_; }
   const session::Controls& controls() const { return controls_; }
   struct Dragging {

@@ -176,7 +176,10 @@ bool Stage::poll(std::string& message) {
     asked_base_ = base_;
     return false;
   }
-  if (session_) session_->stop();
+  if (session_) {
+    session_->stop();
+    loaded->session->count_from(*session_);
+  }
   if (session_ && loaded->request.goes_on) loaded->session->follow(*session_);
   const bool is_other = !session_ || !loaded->request.goes_on;
   base_ = asked_base_;

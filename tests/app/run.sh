@@ -120,7 +120,7 @@ SCRIPT
 check "a recording through a resize" report recording "r['gl_errors'] == 0 and any(w.endswith('.mp4') for w in r['written'])"
 video=$(ls "$work"/*.mp4 2>/dev/null | head -1)
 check "the video has picture and sound in stereo" [ "$(ffprobe -v error -show_entries stream=codec_name,channels -of csv=p=0 "$video" 2>/dev/null | sort | tr '\n' ' ')" = "aac,2 h264 " ]
-check "no leftovers of the recording" [ -z "$(ls "$work" | grep -E 'silent|recording.wav|tmp')" ]
+check "no leftovers of the recording" [ -z "$(ls "$work" | grep -E '[.]part[.]|recording.wav|tmp')" ]
 
 if [ -w /dev/full ]; then
   mkdir "$work/bin"

@@ -87,6 +87,37 @@ TEST_CASE("a dragged ball hangs where it is pulled to, and a session that follow
   CHECK(wait_for(*next, [&](const LiveState& s) { return (s.pose[0].position - was).norm() < 0.1; }));
 }
 
+TEST_CASE("what one session has done, resets and single steps, the next does not do again") {
+  const Scene scene = parsed(drop);
+  const auto session = live(scene);
+  session->start(nullptr, nullptr);
+  CHECK(wait_for(*session, [](const LiveState& s) { return s.pose[0].position.y() < 0.3; }));
+  Controls controls;
+  controls.paused = true;
+  session->control(controls);
+  std::this_thread::sleep_for(std::chrono::milliseconds(60));
+  controls.resets = 1;
+  controls.single = 40;
+  session->control(controls);
+  CHECK(wait_for(*session, [](const LiveState& s) { return s.pose[0].position.y() > 0.35; }));
+  const std::uint64_t steps = session->state().steps;
+  CHECK(wait_for(*session, [&](const LiveState& s) { return s.steps >= steps; }));
+  session->stop();
+  const Vec3 was = session->state().pose[0].position;
+  CHECK(was.y() < 0.4);
+  const auto next = live(scene);
+  next->follow(*session);
+  next->count_from(*session);
+  next->control(controls);  // the counters are the window's, and go on
+  next->start(nullptr, nullptr);
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  CHECK(next->state().steps == 0);
+  controls.single = 41;
+  next->control(controls);
+  CHECK(wait_for(*next, [](const LiveState& s) { return s.steps == 1; }));
+  CHECK((next->state().pose[0].position - was).norm() < 0.02);
+}
+
 TEST_CASE("the mouse's pen comes down, touches, pushes back, and lets go") {
   const auto session = live(parsed("[surface]\nrepresentation = \"flat\"\n"));
   session->start(nullptr, nullptr);

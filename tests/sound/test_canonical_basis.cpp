@@ -82,6 +82,8 @@ Difference compare(const std::vector<float>& a, const std::vector<float>& b) {
     other += std::pow(double(b[k]), 2);
     difference += std::pow(double(a[k]) - double(b[k]), 2);
   }
+  REQUIRE(power > 0);
+  REQUIRE(std::isfinite(difference + other));
   return {10 * std::log10(difference / power + 1e-40), std::abs(10 * std::log10(other / power))};
 }
 
@@ -181,16 +183,21 @@ TEST_CASE("bodies struck sound the same in any basis of their modes of one frequ
 }
 
 TEST_CASE("scaling and merging do not depend on the basis either") {
-  const ModalModel ball = as_sampled(*test::small_ball());
-  Random random(9);
-  for (int k = 0; k < 5; ++k) {
-    const ModalModel other = turned(ball, random);
-    CHECK(compare_struck(scaled(ball, 1.7), scaled(other, 1.7), random).difference_db < -80);
-    ModalModel merged = ball, other_merged = other;
-    merge_modes(merged, 0.5);
-    merge_modes(other_merged, 0.5);
-    CHECK(merged.modes() == other_merged.modes());
-    CHECK(compare_struck(merged, other_merged, random).difference_db < -80);
+  const ModalModel fine = bake(ball(0.15, 2), *find_material("ceramic"), {"ball", {40, 20, 20'000}}).value();
+  for (const ModalModel& baked : {*test::small_ball(), fine}) {
+    const ModalModel model = as_sampled(baked);
+    Random random(9);
+    for (int k = 0; k < 3; ++k) {
+      const ModalModel other = turned(model, random);
+      CHECK(compare_struck(scaled(model, 1.7), scaled(other, 1.7), random).difference_db < -80);
+      ModalModel merged = model, other_merged = other;
+      merge_modes(merged, 0.5);
+      merge_modes(other_merged, 0.5);
+      CHECK(merged.modes() == other_merged.modes());
+      const double difference = compare_struck(merged, other_merged, random).difference_db;
+      MESSAGE(model.modes() << " modes become " << merged.modes() << ": " << difference << " dB");
+      CHECK(difference < -80);
+    }
   }
 }
 
@@ -234,8 +241,11 @@ TEST_CASE("a mode that is alone radiates its root mean square over all direction
   }
   const auto alone = radiated_pressure(surface, slab->angular_frequency);
   const auto together = radiated_pressure(surface, slab->angular_frequency, kin);
+  int checked = 0;
   for (std::size_t m = 0; m < alone.size(); ++m) {
     if (kin.row(Index(m)).sum() > 1 + 1e-9) continue;
+    ++checked;
     CHECK(std::abs(together[m]) == doctest::Approx(alone[m]).epsilon(1e-6));
   }
+  CHECK(checked >= 20);
 }

@@ -159,6 +159,28 @@ TEST_CASE("events that come before physics has told its time wait for it") {
   CHECK(onset(device.played()) > 0.1);
 }
 
+TEST_CASE("a step's contacts are heard together: those of a step that is not over wait for the rest of it") {
+  const auto played = [](bool split) {
+    TestClockDevice device(44'100, 64);
+    LiveSound live({}, bodies(), {.delay = 0.01});
+    REQUIRE(device.start(live));
+    for (int k = 1; k < 200; ++k) {
+      live.push(contact(k, 0.002, 0.2, k == 1 ? ContactPhase::begin : ContactPhase::persist));
+      if (split) device.turn(64);  // a buffer between the points of one step
+      live.push(contact(k, 0.002, 0.2));
+      live.advance(k * step);
+      device.turn(split ? 28 : 92);
+    }
+    device.turn(4410);
+    CHECK(live.status().events == 398);
+    CHECK(live.status().synthesizer.late_events == 0);
+    double energy = 0;
+    for (const float x : device.played()) energy += double(x) * x;
+    return energy;
+  };
+  CHECK(played(true) == doctest::Approx(played(false)).epsilon(0.05));
+}
+
 TEST_CASE("when physics stops for a while, what comes after is not late, and the delay comes back") {
   TestClockDevice device(44'100, 64);
   LiveSound live({}, bodies(), {.delay = 0.01});

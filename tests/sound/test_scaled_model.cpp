@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "intaglio/sound/merge_modes.h"
 #include "intaglio/sound/scaled_model.h"
 #include "tests/sound/models.h"
 
@@ -42,4 +43,14 @@ TEST_CASE("modes that would no longer ring are left out") {
   CHECK(large.shapes.size() == 3 * large.points.size() * std::size_t(large.modes()));
   for (int m = 0; m < large.modes(); ++m)
     CHECK(large.damping[std::size_t(m)] < large.angular_frequency[std::size_t(m)]);
+}
+
+TEST_CASE(
+    "scaled by 1 a merged model is as loud as it was: it has the allowance of all that it was merged from") {
+  ModalModel merged =
+      bake(box({0.3, 0.01, 0.3}, 8, 1, 8), *find_material("ceramic"), {"plate", {40, 20, 20'000}}).value();
+  merge_modes(merged, 0.5);
+  const ModalModel same = scaled(merged, 1);
+  for (std::size_t m = 0; m < merged.radiation.size(); ++m)
+    CHECK(same.radiation[m] == doctest::Approx(merged.radiation[m]));
 }

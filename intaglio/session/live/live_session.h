@@ -54,6 +54,11 @@ class LiveSession {
 
   // Bodies go on where `other`, a stopped session of the same scene, had them.
   void follow(const LiveSession& other) { world_.follow(other.world_); }
+  // Resets and single steps that `other`, a stopped session, has done are not asked of this one.
+  void count_from(const LiveSession& other) {
+    singles_done_ = other.singles_done_;
+    resets_done_ = other.resets_done_;
+  }
   // `tap` is what the audio device plays, `baker` makes what rings; null: no sound.
   void start(AudioTap* tap, VoiceBaker* baker);
   void stop();

@@ -1,8 +1,8 @@
 // One basis for modes that share a frequency.
 //
 // The mode shapes of equal frequencies (a ball's, a square plate's) are any rotation of each other, and
-// which one a solver returns depends on how its arithmetic rounds. Here each group of modes whose
-// frequencies differ by less than 1e-6 gets its mean frequency and one fixed basis: the rotation that brings
+// which one a solver returns depends on how its arithmetic rounds. Here each group of modes of which each is
+// within 1e-6 of the next in frequency gets its mean frequency and one fixed basis: the rotation that brings
 // it nearest to as many fixed reference fields, pseudorandom by the number of the mesh's node (orthogonal
 // Procrustes: with B = F^T U = P S Q^T, U becomes U Q P^T). A single mode gets its sign by the same rule.
 // The result depends on the span of the group only, and a small change of the span changes it as little, but

@@ -54,7 +54,8 @@ Result<Modes> modes_at(const ElasticSystem& system, const ModeOptions& options, 
     const Index found = lanczos.converged();
     Index below = 0;
     while (below < found && eigenvalue(below) < lowest) ++below;
-    if (found > below && eigenvalue(found - 1) > highest) return true;
+    if (found == system.dofs()) return true;
+    if (found > below && eigenvalue(found - 1) > highest * (1 + 4 * same_frequency)) return true;
     return found - below >= options.count && whole_group(below + options.count, found) < found;
   };
   Index next_check = 4 * BlockLanczos::block_size;

@@ -55,7 +55,9 @@ Result<void> write_wav(const fs::path& path, std::span<const float> samples, int
   info.channels = options.channels;
   info.samplerate = sample_rate;
   info.format = file_format(options.format);
-  const fs::path temporary = temporary_for(path);
+  const auto made = temporary_for(path);
+  if (!made) return tl::unexpected(made.error());
+  const fs::path& temporary = *made;
   std::error_code error;
   if (const std::string reason = write_all(temporary, samples, info); !reason.empty()) {
     fs::remove(temporary, error);
