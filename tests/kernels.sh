@@ -28,8 +28,14 @@ under() { # KERNEL COMMAND...
 }
 # A name that OpenBLAS does not know, or another BLAS, would compare a kernel with itself.
 for kernel in "${kernels[@]}"; do
-  core=$(OPENBLAS_VERBOSE=2 under "$kernel" "$build/intaglio" --version 2>&1 | sed -n 's/^Core: //p' | head -1)
-  [ "$core" = "$kernel" ] || [ "$kernel/$core" = reference/ ] || { echo "kernel $kernel: what runs is \"$core\"" >&2; exit 1; }
+  if [ "$kernel" = reference ]; then
+    ran=$(LD_BIND_NOW=1 LD_DEBUG=bindings under reference "$build/intaglio" --version 2>&1 | sed -nE "s|.*intaglio \\[0\\] to (.*/blas/)libblas.*dgemm_'.*|\\1|p" | head -1)
+    wanted=$reference/
+  else
+    ran=$(OPENBLAS_VERBOSE=2 under "$kernel" "$build/intaglio" --version 2>&1 | sed -n 's/^Core: //p' | head -1)
+    wanted=$kernel
+  fi
+  [ "$ran" = "$wanted" ] || { echo "kernel $kernel: what runs is \"$ran\"" >&2; exit 1; }
 done
 python3 - "$work" <<'PY'
 import math, sys
