@@ -99,7 +99,7 @@ Reduced reduced(double x) {
 }
 
 inline double sine_of(const Pair& x) {
-  if (x.high == 0) return x.high;  // of its sign
+  if (x.high == 0) return x.high;  // keeps the sign of zero
   const double square = x.high * x.high;
   return x.high + (x.high * square * polynomial(sine, square) + x.low * (1 - 0.5 * square));
 }

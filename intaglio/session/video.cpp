@@ -50,7 +50,7 @@ bool ended_well(pid_t process) {
   pid_t ended;
   while ((ended = waitpid(process, &status, 0)) < 0 && errno == EINTR) {
   }
-  // Where the host ignores SIGCHLD nobody can say how it ended.
+  // A host that ignores SIGCHLD loses the exit status: that counts as a failure.
   return ended == process && WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 

@@ -184,7 +184,8 @@ ModalModel with_groups(const ModalModel& model, const Merging& merging) {
     } else {
       out.angular_frequency.push_back(group.omega);
       out.damping.push_back(merging.damping(group.omega));
-      // Of equal frequencies the shape then stays mass-normalised, since it is a rotation of theirs.
+      // Modes of equal frequency stay mass-normalised this way: the merged shape is one axis of a rotated
+      // basis.
       double power = 0;
       for (const int m : group.members) power += std::pow(model.radiation[std::size_t(m)], 2);
       out.radiation.push_back(std::sqrt(power));

@@ -21,7 +21,8 @@ constexpr double supersonic = 1.4;  // times the wave number of the shape: from 
 constexpr std::size_t most_points = 600;  // of a surface whose near field is solved
 // In radians across a triangle: beyond, what is radiated no longer depends on the frequency.
 constexpr double finest_phase = 2;
-constexpr double slow_beat = 0.01;  // of the decay rate: a beat that is gone before it is heard
+constexpr double slow_beat =
+    0.01;  // as a fraction of the decay rate: slower beats die away before they are heard
 
 // Evenly over half of all directions: a Fibonacci spiral.
 Vec3 direction(int k, int directions) {
@@ -30,7 +31,8 @@ Vec3 direction(int k, int directions) {
   return {r * std::cos(turn), r * std::sin(turn), z};
 }
 
-// Where groups of kin are heard from: no plane or axis of symmetry of a body that lies square in its frame.
+// The direction from which modes of one frequency are heard. It lies in no plane of symmetry of a body whose
+// axes are those of its frame.
 Vec3 listening_direction() {
   return Vec3(0.5137, 0.7219, 0.4636).normalized();
 }

@@ -68,7 +68,7 @@ void VoiceBaker::work(const std::shared_ptr<Shared>& shared) {
     shared->newer = false;
     shared->busy = true;
     lock.unlock();
-    auto voices = bake_voices(order.scene, order.surface, {order.cache, &shared->newer, "models"});
+    auto voices = bake_voices(order.scene, order.surface, {order.cache, &shared->newer});
     lock.lock();
     shared->busy = false;
     if (shared->wanted) continue;

@@ -46,7 +46,8 @@ Result<Modes> modes_at(const ElasticSystem& system, const ModeOptions& options, 
   const auto eigenvalue = [&](Index i) { return 1 / lanczos.value(i) + shift; };
   // The end of the group of equal frequencies that `end` cuts, or `found` if it may go on beyond.
   const auto whole_group = [&](Index end, Index found) {
-    const double apart = 2 * same_frequency;  // of frequencies 1e-6, of eigenvalues twice that
+    const double apart =
+        2 * same_frequency;  // eigenvalues are squares: twice the relative distance of frequencies
     while (end < found && eigenvalue(end) - eigenvalue(end - 1) <= apart * eigenvalue(end)) ++end;
     return end;
   };
