@@ -80,7 +80,7 @@ constexpr auto arctangent = series<7>([](int k) { return -alternating(k) / (2 * 
 // pi/2 in three parts and ln 2 in two, the first of so few bits that whole multiples of them are exact.
 constexpr double half_pi[3] = {0x1.921fb544p+0, 0x1.0b4611a6p-34, 0x1.3198a2e037073p-69};
 constexpr Pair ln_2 = {0x1.62e42fefa38p-1, 0x1.ef35793c7673p-45};
-constexpr double farthest = 1.6e6;  // of fewer than 2^20 quarter turns
+constexpr double farthest = 1.6e6;  // radians: fewer than 2^20 quarter turns
 
 // Multiples of a quarter turn, and what is left.
 struct Reduced {

@@ -1,11 +1,11 @@
-// What of a scene rings: the modal models of floor, grounds, bodies and pen, baked once each or taken from
-// folders of models baked before: `models` beside the scene's file (`intaglio bake --scene` fills it, and
+// The modal models of a scene: floor, grounds, bodies and pen, each baked once, or read from a folder of
+// models that were baked before: `models` beside the scene's file (`intaglio bake --scene` fills it, and
 // shipped scenes have theirs), then a cache. A model is known by its identity, the hash of what it is baked
 // from (modal_model.h), which is its name there.
 //
 // Takes seconds where models are missing, milliseconds where not. Any thread; the models are immutable. A
 // slab is a box, a curved ground the slab over its bounds, a letter the box about it, a capsule a cylinder:
-// what is heard is right for balls, boxes, cylinders.
+// the sound is exact for balls, boxes and cylinders, approximate for the others.
 #pragma once
 
 #include <atomic>
