@@ -6,8 +6,8 @@
 
 #include <algorithm>
 
-#include "intaglio/surface/import.h"
-#include "intaglio/surface/surface.h"
+#include "surface/import.h"
+#include "surface/surface.h"
 
 namespace intaglio::bench {
 

@@ -22,9 +22,9 @@
 #include <vector>
 
 #include "bench/brick.h"
-#include "intaglio/core/random.h"
-#include "intaglio/dynamics/textured_shape.h"
-#include "intaglio/surface/closest.h"
+#include "core/portable_math.h"
+#include "dynamics/textured_shape.h"
+#include "surface/closest.h"
 
 using namespace intaglio;
 using namespace intaglio::dynamics;

@@ -17,13 +17,12 @@
 #include <vector>
 
 #include "bench/brick.h"
-#include "intaglio/contact/curved_relief.h"
-#include "intaglio/core/random.h"
-#include "intaglio/dynamics/curved_shape.h"
-#include "intaglio/dynamics/textured_shape.h"
-#include "intaglio/dynamics/world.h"
-#include "intaglio/surface/mesh/mesh_shapes.h"
-#include "intaglio/surface/mesh/relief_closest.h"
+#include "contact/curved_contacts.h"
+#include "core/portable_math.h"
+#include "dynamics/textured_shape.h"
+#include "dynamics/world.h"
+#include "mesh/triangle_mesh.h"
+#include "mesh/relief_closest.h"
 
 using namespace intaglio;
 using bench::cpu_seconds;

@@ -20,8 +20,8 @@
 #include "bench/arguments.h"
 #include "bench/brick.h"
 #include "bench/triangle_proxy.h"
-#include "intaglio/core/random.h"
-#include "intaglio/haptics/servo.h"
+#include "core/portable_math.h"
+#include "haptics/servo.h"
 #include "tests/haptics/closed_loops.h"
 
 using namespace intaglio;

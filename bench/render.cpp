@@ -18,7 +18,7 @@
 
 #include "bench/arguments.h"
 #include "bench/brick.h"
-#include "intaglio/render/renderer.h"
+#include "render/renderer.h"
 
 using namespace intaglio;
 using namespace intaglio::render;

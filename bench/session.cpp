@@ -16,9 +16,9 @@
 #include <thread>
 #include <vector>
 
-#include "intaglio/haptics/servo_loop.h"
-#include "intaglio/session/render_job.h"
-#include "intaglio/session/simulation.h"
+#include "haptics/servo_loop.h"
+#include "report/render_job.h"
+#include "session/simulation.h"
 #include "tests/temporary_folder.h"
 
 using namespace intaglio;

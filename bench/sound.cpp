@@ -23,9 +23,9 @@
 #endif
 
 #include "bench/brick.h"
-#include "intaglio/core/random.h"
-#include "intaglio/sound/denormals.h"
-#include "intaglio/sound/modal_bank.h"
+#include "core/portable_math.h"
+#include "sound/denormals.h"
+#include "sound/modal_bank.h"
 #include "tests/sound/scenes.h"
 
 using namespace intaglio;

@@ -21,12 +21,11 @@
 
 #include "bench/arguments.h"
 #include "bench/brick.h"
-#include "intaglio/core/random.h"
-#include "intaglio/surface/closest.h"
-#include "intaglio/surface/extent.h"
-#include "intaglio/surface/import.h"
-#include "intaglio/surface/ray.h"
-#include "intaglio/surface/surface.h"
+#include "core/portable_math.h"
+#include "surface/closest.h"
+#include "surface/surface.h"
+#include "surface/import.h"
+#include "surface/ray.h"
 
 using namespace intaglio;
 using namespace intaglio::surface;

@@ -10,7 +10,7 @@
 #include <array>
 #include <cmath>
 
-#include "intaglio/surface/surface.h"
+#include "surface/surface.h"
 
 namespace intaglio::bench {
 

@@ -1,8 +1,8 @@
-# intaglio_embed_shaders(target): the files of intaglio/render/shaders become the generated header "intaglio_shaders.h", so that
+# intaglio_embed_shaders(target): the files of src/render/shaders become the generated header "intaglio_shaders.h", so that
 # the program needs no data folder.
 function(intaglio_embed_shaders target)
-  file(GLOB shaders CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/intaglio/render/shaders/*.vert
-       ${PROJECT_SOURCE_DIR}/intaglio/render/shaders/*.frag ${PROJECT_SOURCE_DIR}/intaglio/render/shaders/*.glsl)
+  file(GLOB shaders CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/render/shaders/*.vert
+       ${PROJECT_SOURCE_DIR}/src/render/shaders/*.frag ${PROJECT_SOURCE_DIR}/src/render/shaders/*.glsl)
   set(header ${PROJECT_BINARY_DIR}/generated/intaglio_shaders.h)
   add_custom_command(
     OUTPUT ${header}

@@ -1,5 +1,5 @@
 # Writes the shader files of the list SHADERS as raw string literals into the header OUT: pairs of a file's name and its text.
-set(text "#pragma once\n// Generated from intaglio/render/shaders. Do not edit.\n#include <utility>\nnamespace intaglio::render {\n")
+set(text "#pragma once\n// Generated from src/render/shaders. Do not edit.\n#include <utility>\nnamespace intaglio::render {\n")
 string(APPEND text "inline constexpr std::pair<const char*, const char*> embedded_shader_files[] = {\n")
 foreach(shader IN LISTS SHADERS)
   get_filename_component(name ${shader} NAME)

@@ -10,10 +10,9 @@
 #include <memory>
 #include <vector>
 
-#include "intaglio/dynamics/curved_shape.h"
-#include "intaglio/dynamics/textured_shape.h"
-#include "intaglio/surface/import.h"
-#include "intaglio/surface/mesh/mesh_shapes.h"
+#include "dynamics/textured_shape.h"
+#include "surface/import.h"
+#include "mesh/triangle_mesh.h"
 
 using namespace intaglio::surface;
 

@@ -9,8 +9,8 @@
 #include <memory>
 #include <vector>
 
-#include "intaglio/dynamics/textured_shape.h"
-#include "intaglio/surface/import.h"
+#include "dynamics/textured_shape.h"
+#include "surface/import.h"
 
 int main() {
   btDefaultCollisionConfiguration configuration;

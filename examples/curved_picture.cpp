@@ -2,10 +2,10 @@
 //   example_curved_picture [PICTURE.png]
 #include <fmt/format.h>
 
-#include "intaglio/core/file.h"
-#include "intaglio/render/renderer.h"
-#include "intaglio/surface/import.h"
-#include "intaglio/surface/mesh/mesh_shapes.h"
+#include "core/file.h"
+#include "render/renderer.h"
+#include "surface/import.h"
+#include "mesh/triangle_mesh.h"
 
 using namespace intaglio;
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "intaglio/haptics/haptic_log.h"
+#include "haptics/haptic_log.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto log = intaglio::haptics::decode_log({reinterpret_cast<const char*>(data), size}, "fuzz.csv");

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "intaglio/surface/image_formats.h"
+#include "surface/image/image_file.h"
 
 using namespace intaglio::surface;
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "intaglio/surface/builtin/builtin.h"
+#include "surface/recipes/builtin.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto recipe =

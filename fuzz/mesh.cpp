@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "intaglio/surface/mesh/mesh_file.h"
-#include "intaglio/surface/mesh/mesh_placement.h"
+#include "mesh/mesh_file.h"
+#include "mesh/mesh_placement.h"
 
 using namespace intaglio;
 using namespace intaglio::surface;

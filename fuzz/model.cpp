@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "intaglio/sound/model_file.h"
+#include "sound/model_file.h"
 
 using namespace intaglio;
 using namespace intaglio::sound;

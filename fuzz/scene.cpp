@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "intaglio/session/scene.h"
+#include "scene/scene.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto scene = intaglio::session::parse_scene({reinterpret_cast<const char*>(data), size}, "fuzz.toml");

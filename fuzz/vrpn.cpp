@@ -4,10 +4,9 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "intaglio/haptics/devices/vrpn/address.h"
-#include "intaglio/haptics/devices/vrpn/asked_force.h"
-#include "intaglio/haptics/devices/vrpn/cookie.h"
-#include "intaglio/haptics/devices/vrpn/framer.h"
+#include "haptics/vrpn/client.h"
+#include "haptics/vrpn/force.h"
+#include "haptics/vrpn/message.h"
 #include "tests/haptics/vrpn_reencode.h"
 
 using namespace intaglio;

@@ -1,60 +1,88 @@
 #!/usr/bin/env python3
-"""Holds the dependency rule of ARCHITECTURE.md: which folder of intaglio/ may include which.
-
-core <- surface <- {contact <- dynamics, haptics, sound, render} <- session <- {study, window, app}; senses never include each other,
-and texels and image files are read in surface/ only. Prints each violation as file:line and exits 1."""
+"""Holds the dependency rules of ARCHITECTURE.md: which library may include which, where third-party headers belong, that texels are
+read in surface/ only, and that CMakeLists.txt links no library to more than it may include. Prints each violation as file:line and
+exits 1."""
 import pathlib
 import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-LIBRARY = ROOT / "intaglio"
 
+# A library is a folder of src/ or apps/; what it may include. No sense includes another, and what plays sound needs nothing that
+# bakes it.
 ALLOWED = {
-    "core": set(),
-    "surface": {"core"},
-    "contact": {"core", "surface"},
-    "dynamics": {"core", "surface", "contact"},
-    "haptics": {"core", "surface"},
-    "sound": {"core", "surface"},
-    "render": {"core", "surface"},
-    "session": {"core", "surface", "contact", "dynamics", "haptics", "sound", "render"},
-    "window": {"core", "surface", "contact", "dynamics", "haptics", "sound", "render", "session"},
-    "study": {"core", "surface", "contact", "dynamics", "haptics", "sound", "render", "session"},
+    "src/core": "",
+    "src/surface": "core",
+    "src/mesh": "core surface",
+    "src/contact": "core surface mesh",
+    "src/dynamics": "core surface mesh contact",
+    "src/haptics": "core surface mesh",
+    "src/haptics/vrpn": "core haptics",
+    "src/sound": "core surface",
+    "src/sound/audio": "core sound",
+    "src/sound/bake": "core mesh sound",
+    "src/render": "core surface mesh",
+    "src/scene": "core surface mesh contact dynamics haptics sound sound/bake render",
+    "src/session": "core surface mesh contact dynamics haptics sound sound/bake sound/audio render scene",
+    "src/report": "core surface mesh contact dynamics haptics sound sound/bake sound/audio render scene session",
+    "apps/window": "core surface mesh contact dynamics haptics haptics/vrpn sound sound/bake sound/audio render scene session report",
+    "apps/command": "core surface mesh contact dynamics haptics haptics/vrpn sound sound/bake sound/audio render scene session report window",
+    "apps/netgen": "",
 }
+FOLDERS = sorted(ALLOWED, key=len, reverse=True)
+
 # Headers that hand out texels or decode images; only surface/ may include them.
-TEXELS_ONLY_IN_SURFACE = {"intaglio/surface/image_file.h", "intaglio/surface/brick.h", "intaglio/surface/field.h",
-                          "intaglio/surface/image_formats.h", "intaglio/surface/image_exr_header.h"}
-INCLUDE = re.compile(r'^\s*#\s*include\s*"(intaglio/([a-z]+)/[^"]+)"')
-# A third-party library may be included by these folders only.
+TEXELS_ONLY_IN_SURFACE = re.compile(r"^surface/image/")
+
+# A third-party library may be included by these only.
 LIBRARIES = {
-    "btBullet": {"dynamics"}, "spng.h": {"core", "surface"}, "turbojpeg.h": {"surface"}, "OpenEXR/": {"surface"}, "epoxy/": {"render", "window"}, "SDL2/": {"window"}, "imgui/": {"window"},
-    "dmumps_c.h": {"sound"}, "metis.h": {"sound"}, "sndfile": {"sound"}, "toml++": {"core"}, "embree3/": {"surface"}, "nlohmann/": {"surface"},
+    "btBullet": "src/dynamics", "LinearMath/": "src/dynamics", "BulletCollision/": "src/dynamics", "spng.h": "src/core src/surface",
+    "turbojpeg.h": "src/surface", "OpenEXR/": "src/surface", "epoxy/": "src/render apps/window", "SDL2/": "apps/window",
+    "imgui/": "apps/window", "dmumps_c.h": "src/sound/bake", "metis.h": "src/sound/bake", "sndfile": "src/sound/audio",
+    "rtaudio/": "src/sound/audio", "hwy/": "src/sound", "toml++": "src/core", "embree3/": "src/surface src/mesh",
+    "nlohmann/": "src/surface src/mesh apps/command", "CLI/": "apps/command", "nglib.h": "apps/netgen",
 }
-THIRD_PARTY = re.compile(r'^\s*#\s*include\s*<([^>]+)>')
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+
+
+def folder_of(path: str) -> str | None:
+    """The library whose folder holds `path`, itself or in a folder below that is no library of its own."""
+    return next((folder for folder in FOLDERS if path.startswith(folder + "/")), None)
 
 
 def main() -> int:
     violations = []
-    for path in sorted(LIBRARY.rglob("*")):
-        if path.suffix not in {".h", ".cpp"}:
+    for path in sorted(p for root in ("src", "apps") for p in (ROOT / root).rglob("*") if p.suffix in {".h", ".cpp"}):
+        name = path.relative_to(ROOT).as_posix()
+        folder = folder_of(name)
+        if folder is None:
+            violations.append(f"{name}: its folder is in no library (tools/check_dependencies.py lists them)")
             continue
-        folder = path.relative_to(LIBRARY).parts[0]
+        allowed = {("apps/" if target == "window" else "src/") + target for target in ALLOWED[folder].split()} | {folder}
         for number, line in enumerate(path.read_text().splitlines(), 1):
-            where = f"{path.relative_to(ROOT)}:{number}"
-            if match := INCLUDE.match(line):
-                header, target = match.groups()
-                if target != folder and target not in ALLOWED.get(folder, set()):
+            match = INCLUDE.match(line)
+            if not match:
+                continue
+            where, header = f"{name}:{number}", match.group(2)
+            if match.group(1) == '"':
+                found = next((root for root in ("src/", "apps/") if (ROOT / root / header).exists()), None)
+                if found is None:
+                    if not header.endswith("_generated.h") and not header.startswith("intaglio_"):
+                        violations.append(f"{where}: no such header {header}")
+                    continue
+                target = folder_of(found + header)
+                if target not in allowed:
                     violations.append(f"{where}: {folder}/ may not include {header}")
-                if header in TEXELS_ONLY_IN_SURFACE and folder != "surface":
+                if TEXELS_ONLY_IN_SURFACE.match(header) and folder != "src/surface":
                     violations.append(f"{where}: only surface/ reads texels; it may not include {header}")
-                if not (ROOT / header).exists():
-                    violations.append(f"{where}: no such header {header}")
-            elif match := THIRD_PARTY.match(line):
-                for name, folders in LIBRARIES.items():
-                    if match.group(1).startswith(name) and folder not in folders:
-                        violations.append(f"{where}: <{match.group(1)}> belongs to {', '.join(sorted(folders))}/")
-    print("\n".join(violations) if violations else "dependency rule holds")
+            else:
+                for library, folders in LIBRARIES.items():
+                    if header.startswith(library) and folder not in folders.split():
+                        violations.append(f"{where}: <{header}> belongs to {', '.join(folders.split())}/")
+    for folder in ALLOWED:
+        if not (ROOT / folder).is_dir():
+            violations.append(f"tools/check_dependencies.py: there is no folder {folder}")
+    print("\n".join(violations) if violations else "dependency rules hold")
     return 1 if violations else 0
 
 

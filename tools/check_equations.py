@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Holds docs/equations.md to the code: every formula of its table has a tag in the code and a named test.
 
-A row reads | Eq. 1.2 | ... | `function` in `intaglio/file.h` | `test name` in `tests/file.cpp` |. The tag is a comment line that
+A row reads | Eq. 1.2 | ... | `function` in `src/file.h` | `test name` in `tests/file.cpp` |. The tag is a comment line that
 starts with the formula's name and cites the paper, right above the function. Tags without a row fail as well."""
 import pathlib
 import re
@@ -21,7 +21,7 @@ def named(cell: str):
 
 def main() -> int:
     problems, rows, tags = [], {}, {}
-    for path in sorted((ROOT / "intaglio").rglob("*")):
+    for path in sorted((ROOT / "src").rglob("*")):
         if path.suffix in {".h", ".cpp"}:
             lines = path.read_text().splitlines()
             for number, line in enumerate(lines):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds docs/scene.md to the scene reader: every key that intaglio/session/scene*.cpp and intaglio/core/material_reader.cpp read has a row, and no row is without a key."""
+"""Holds docs/scene.md to the scene reader: every key that src/scene/*.cpp and src/core/toml.cpp read has a row, and no row is without a key."""
 import pathlib
 import re
 import sys
@@ -12,7 +12,7 @@ HEADING = re.compile(r"^## `\[+([a-z_]+)\]+`", re.M)
 
 
 def main() -> int:
-    source = "".join(f.read_text() for f in sorted((ROOT / "intaglio/session").glob("scene*.cpp"))) + (ROOT / "intaglio/core/material_reader.cpp").read_text()
+    source = "".join(f.read_text() for f in sorted((ROOT / "src/scene").glob("*.cpp"))) + (ROOT / "src/core/toml.cpp").read_text()
     docs = (ROOT / "docs/scene.md").read_text()
     read = set(READ.findall(source)) | set(HELPED.findall(source))
     documented = set(ROW.findall(docs)) | set(HEADING.findall(docs))

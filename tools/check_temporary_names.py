@@ -8,7 +8,7 @@ import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-FOLDERS = ["app", "bench", "cmake", "examples", "fuzz", "intaglio", "script", "tests", "tools", "workflow"]
+FOLDERS = ["apps", "bench", "cmake", "examples", "fuzz", "include", "src", "script", "tests", "tools", "workflow"]
 SUFFIXES = {".h", ".cpp", ".sh", ".py", ".cmake", ".txt", ".yaml", ""}
 NOT_TEXT = {"seeds", "golden"}
 

@@ -139,7 +139,7 @@ check "a scene that breaks while it is shown is said" report hot "any('hot.toml'
 wait
 
 # Shaders that are worked on, and the ways to draw relief.
-cp -r "$source/intaglio/render/shaders" "$work/shaders"
+cp -r "$source/src/render/shaders" "$work/shaders"
 (sleep 4; echo broken >>"$work/shaders/lighting.glsl") &
 printf '0.3 set mesh 64\n0.8 set mesh 0\n1.0 set classic 1\n1.5 set classic 0\n7 quit\n' | play shaders --fresh --shaders "$work/shaders"
 check "meshes and steps in place of the exact trace; a shader that breaks is said with file and line" \

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "intaglio/contact/relief.h"
-#include "intaglio/core/random.h"
+#include "contact/surface_contacts.h"
+#include "core/portable_math.h"
 
 namespace intaglio::tests {
 

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <limits>
 
-#include "intaglio/contact/shape.h"
-#include "intaglio/surface/surface.h"
+#include "contact/shape.h"
+#include "surface/surface.h"
 
 namespace intaglio::tests {
 

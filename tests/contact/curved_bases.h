@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "intaglio/surface/mesh/relief_mesh.h"
+#include "mesh/relief_mesh.h"
 #include "tests/surface/brick_surface.h"
 #include "tests/surface/test_mesh_shapes.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "intaglio/surface/mesh/relief_closest.h"
+#include "mesh/relief_closest.h"
 #include "tests/contact/curved_bases.h"
 #include "tests/count_allocations.h"
 

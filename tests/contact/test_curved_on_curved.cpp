@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "intaglio/contact/curved_on_curved.h"
-#include "intaglio/surface/mesh/relief_closest.h"
+#include "contact/curved_body.h"
+#include "mesh/relief_closest.h"
 #include "tests/contact/bodies.h"
 #include "tests/contact/curved_bases.h"
 #include "tests/count_allocations.h"

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "intaglio/contact/curved_on_relief.h"
-#include "intaglio/surface/closest.h"
-#include "intaglio/surface/mesh/relief_closest.h"
+#include "contact/curved_body.h"
+#include "surface/closest.h"
+#include "mesh/relief_closest.h"
 #include "tests/contact/bodies.h"
 #include "tests/contact/curved_bases.h"
 #include "tests/count_allocations.h"

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "intaglio/contact/curved_relief.h"
-#include "intaglio/contact/relief.h"
-#include "intaglio/surface/mesh/relief_closest.h"
+#include "contact/curved_contacts.h"
+#include "contact/surface_contacts.h"
+#include "mesh/relief_closest.h"
 #include "tests/contact/bodies.h"
 #include "tests/contact/curved_bases.h"
 #include "tests/count_allocations.h"

@@ -1,8 +1,7 @@
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "intaglio/contact/collision_point.h"
-#include "intaglio/contact/impulse.h"
+#include "contact/contact_point.h"
 
 using namespace intaglio;
 

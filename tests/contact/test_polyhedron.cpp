@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "intaglio/contact/mass.h"
+#include "contact/shape.h"
 #include "tests/contact/bodies.h"
 
 using namespace intaglio;

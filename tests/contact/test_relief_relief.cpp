@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "intaglio/contact/relief_relief.h"
-#include "intaglio/surface/closest_cell.h"
+#include "contact/relief_relief.h"
+#include "surface/closest.h"
 #include "tests/contact/bodies.h"
 #include "tests/count_allocations.h"
 #include "tests/surface/brick_surface.h"

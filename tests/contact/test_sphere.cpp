@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "intaglio/contact/relief.h"
-#include "intaglio/core/random.h"
+#include "contact/surface_contacts.h"
+#include "core/portable_math.h"
 #include "tests/surface/brick_surface.h"
 
 using namespace intaglio;

@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "intaglio/core/clock.h"
+#include "core/event.h"
 
 using intaglio::Clock;
 

@@ -9,11 +9,10 @@
 #include <numbers>
 #include <vector>
 
-#include "intaglio/core/elementary.h"
-#include "intaglio/core/fourier.h"
-#include "intaglio/core/hash.h"
-#include "intaglio/core/random.h"
-#include "intaglio/core/rotation.h"
+#include "core/portable_math.h"
+#include "core/fourier.h"
+#include "core/hash.h"
+#include "core/vec.h"
 
 using namespace intaglio;
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "intaglio/core/error.h"
-#include "intaglio/core/material.h"
+#include "core/error.h"
+#include "core/material.h"
 
 using namespace intaglio;
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "intaglio/core/file.h"
+#include "core/file.h"
 #include "tests/temporary_folder.h"
 
 using namespace intaglio;

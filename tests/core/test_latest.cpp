@@ -4,7 +4,7 @@
 #include <atomic>
 #include <thread>
 
-#include "intaglio/core/latest.h"
+#include "core/lock_free.h"
 
 using intaglio::Latest;
 

@@ -2,7 +2,7 @@
 
 #include <csignal>
 
-#include "intaglio/core/limited_process.h"
+#include "core/process.h"
 
 using namespace intaglio;
 

@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "intaglio/core/material_reader.h"
+#include "core/toml.h"
 
 using namespace intaglio;
 

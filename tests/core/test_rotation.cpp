@@ -2,8 +2,8 @@
 
 #include <Eigen/Geometry>
 
-#include "intaglio/core/random.h"
-#include "intaglio/core/rotation.h"
+#include "core/portable_math.h"
+#include "core/vec.h"
 
 using namespace intaglio;
 

@@ -15,9 +15,9 @@
 #include <map>
 #include <thread>
 
-#include "intaglio/core/hash.h"
-#include "intaglio/core/random.h"
-#include "intaglio/sound/resonator_kernel.h"
+#include "core/hash.h"
+#include "core/portable_math.h"
+#include "sound/resonator_kernel.h"
 #include "tests/determinism/senses.h"
 
 using namespace intaglio;

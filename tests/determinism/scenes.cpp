@@ -7,12 +7,12 @@
 #include <filesystem>
 #include <numbers>
 
-#include "intaglio/contact/polyhedron.h"
-#include "intaglio/core/file.h"
-#include "intaglio/core/image.h"
-#include "intaglio/surface/builtin/builtin.h"
-#include "intaglio/surface/import.h"
-#include "intaglio/surface/mesh/mesh_shapes.h"
+#include "contact/polyhedron.h"
+#include "core/file.h"
+#include "core/image.h"
+#include "surface/recipes/builtin.h"
+#include "surface/import.h"
+#include "mesh/triangle_mesh.h"
 
 namespace intaglio::determinism {
 

@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "intaglio/contact/shape.h"
-#include "intaglio/core/event.h"
-#include "intaglio/core/hash.h"
-#include "intaglio/core/random.h"
-#include "intaglio/sound/synthesizer.h"
-#include "intaglio/surface/mesh/relief_mesh.h"
-#include "intaglio/surface/surface.h"
+#include "contact/shape.h"
+#include "core/event.h"
+#include "core/hash.h"
+#include "core/portable_math.h"
+#include "sound/synthesizer.h"
+#include "mesh/relief_mesh.h"
+#include "surface/surface.h"
 
 namespace intaglio::determinism {
 

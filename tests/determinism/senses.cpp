@@ -3,14 +3,14 @@
 #include <cmath>
 #include <span>
 
-#include "intaglio/contact/curved_relief.h"
-#include "intaglio/contact/relief.h"
-#include "intaglio/core/elementary.h"
-#include "intaglio/core/rotation.h"
-#include "intaglio/dynamics/world.h"
-#include "intaglio/haptics/devices/simulated.h"
-#include "intaglio/haptics/servo.h"
-#include "intaglio/sound/level.h"
+#include "contact/curved_contacts.h"
+#include "contact/surface_contacts.h"
+#include "core/portable_math.h"
+#include "core/vec.h"
+#include "dynamics/world.h"
+#include "haptics/device.h"
+#include "haptics/servo.h"
+#include "sound/synthesizer.h"
 #include "tests/determinism/scenes.h"
 
 namespace intaglio::determinism {

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "intaglio/contact/mass.h"
-#include "intaglio/contact/polyhedron.h"
-#include "intaglio/core/random.h"
-#include "intaglio/dynamics/world.h"
-#include "intaglio/surface/closest.h"
+#include "contact/shape.h"
+#include "contact/polyhedron.h"
+#include "core/portable_math.h"
+#include "dynamics/world.h"
+#include "surface/closest.h"
 #include "tests/surface/brick_surface.h"
 
 namespace intaglio::tests::brick_scene {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "intaglio/dynamics/curved_shape.h"
+#include "dynamics/textured_shape.h"
 #include "tests/contact/curved_bases.h"
 #include "tests/dynamics/plain_bullet.h"
 

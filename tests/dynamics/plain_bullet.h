@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "intaglio/dynamics/textured_shape.h"
+#include "dynamics/textured_shape.h"
 
 namespace intaglio::tests {
 

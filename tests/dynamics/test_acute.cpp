@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "intaglio/dynamics/world.h"
+#include "dynamics/world.h"
 #include "tests/contact/curved_bases.h"
 
 using namespace intaglio;

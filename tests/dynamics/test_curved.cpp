@@ -5,7 +5,7 @@
 #include <numbers>
 #include <string>
 
-#include "intaglio/dynamics/curved_shape.h"
+#include "dynamics/textured_shape.h"
 #include "tests/dynamics/curved_world.h"
 
 using namespace intaglio;

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "intaglio/dynamics/world.h"
+#include "dynamics/world.h"
 
 using namespace intaglio;
 using namespace intaglio::dynamics;

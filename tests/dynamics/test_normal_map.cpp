@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "intaglio/contact/relief.h"
+#include "contact/surface_contacts.h"
 #include "tests/dynamics/brick_scene.h"
 
 using namespace intaglio;

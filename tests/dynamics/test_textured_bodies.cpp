@@ -7,8 +7,8 @@
 #include <numbers>
 #include <string>
 
-#include "intaglio/dynamics/textured_body.h"
-#include "intaglio/dynamics/world.h"
+#include "dynamics/world_state.h"
+#include "dynamics/world.h"
 #include "tests/contact/curved_bases.h"
 
 using namespace intaglio;

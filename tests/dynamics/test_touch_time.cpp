@@ -7,7 +7,7 @@
 #include <deque>
 #include <string>
 
-#include "intaglio/dynamics/world.h"
+#include "dynamics/world.h"
 #include "tests/surface/brick_surface.h"
 
 using namespace intaglio;

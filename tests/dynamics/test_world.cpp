@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "intaglio/core/hash.h"
-#include "intaglio/dynamics/world.h"
+#include "core/hash.h"
+#include "dynamics/world.h"
 #include "tests/surface/brick_surface.h"
 
 using namespace intaglio;

@@ -5,9 +5,9 @@
 #include <numbers>
 #include <vector>
 
-#include "intaglio/core/random.h"
-#include "intaglio/haptics/held_plane.h"
-#include "intaglio/haptics/proxy.h"
+#include "core/portable_math.h"
+#include "haptics/held_plane.h"
+#include "haptics/proxy.h"
 
 namespace intaglio::tests {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "intaglio/haptics/servo.h"
+#include "haptics/servo.h"
 #include "tests/haptics/closed_loops.h"
 #include "tests/surface/brick_surface.h"
 

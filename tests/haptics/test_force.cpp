@@ -1,9 +1,8 @@
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
-#include "intaglio/haptics/force.h"
-#include "intaglio/haptics/plane.h"
-#include "intaglio/haptics/servo.h"
+#include "haptics/held_plane.h"
+#include "haptics/servo.h"
 #include "tests/surface/brick_surface.h"
 
 using namespace intaglio;

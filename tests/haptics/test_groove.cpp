@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "intaglio/haptics/devices/simulated.h"
-#include "intaglio/haptics/servo.h"
+#include "haptics/device.h"
+#include "haptics/servo.h"
 #include "tests/surface/brick_surface.h"
 
 using namespace intaglio;

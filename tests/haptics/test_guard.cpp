@@ -6,8 +6,8 @@
 #include <limits>
 #include <type_traits>
 
-#include "intaglio/core/random.h"
-#include "intaglio/haptics/guard.h"
+#include "core/portable_math.h"
+#include "haptics/guard.h"
 #include "tests/surface/brick_surface.h"
 
 using namespace intaglio;

@@ -3,9 +3,8 @@
 #include <cstring>
 #include <limits>
 
-#include "intaglio/haptics/devices/replay.h"
-#include "intaglio/haptics/devices/simulated.h"
-#include "intaglio/haptics/haptic_log.h"
+#include "haptics/haptic_log.h"
+#include "haptics/device.h"
 #include "tests/surface/brick_surface.h"
 
 using namespace intaglio;

@@ -2,10 +2,8 @@
 
 #include <cmath>
 
-#include "intaglio/core/random.h"
-#include "intaglio/haptics/contact_stiffness.h"
-#include "intaglio/haptics/limits.h"
-#include "intaglio/haptics/passivity.h"
+#include "core/portable_math.h"
+#include "haptics/passivity.h"
 
 using namespace intaglio;
 using namespace intaglio::haptics;

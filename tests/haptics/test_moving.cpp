@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "intaglio/haptics/servo.h"
-#include "intaglio/surface/mesh/mesh_shapes.h"
+#include "haptics/servo.h"
+#include "mesh/triangle_mesh.h"
 #include "tests/haptics/closed_loops.h"
 #include "tests/surface/brick_surface.h"
 

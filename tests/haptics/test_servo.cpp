@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "intaglio/haptics/devices/simulated.h"
-#include "intaglio/haptics/servo.h"
+#include "haptics/device.h"
+#include "haptics/servo.h"
 #include "tests/count_allocations.h"
 #include "tests/surface/brick_surface.h"
 

@@ -6,8 +6,7 @@
 #include <map>
 #include <string>
 
-#include "intaglio/haptics/devices/vrpn/cookie.h"
-#include "intaglio/haptics/devices/vrpn/framer.h"
+#include "haptics/vrpn/message.h"
 #include "tests/haptics/vrpn_capture.h"
 #include "tests/haptics/vrpn_reencode.h"
 #include "tests/skipped.h"

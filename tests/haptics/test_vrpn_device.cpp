@@ -2,7 +2,7 @@
 // between.
 #include <doctest/doctest.h>
 
-#include "intaglio/haptics/devices/vrpn/vrpn_device.h"
+#include "haptics/vrpn/vrpn_device.h"
 #include "tests/count_allocations.h"
 #include "tests/haptics/vrpn_peers.h"
 

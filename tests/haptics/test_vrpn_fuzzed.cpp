@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <random>
 
-#include "intaglio/haptics/devices/vrpn/framer.h"
+#include "haptics/vrpn/message.h"
 #include "tests/haptics/vrpn_peers.h"
 #include "tests/haptics/vrpn_reencode.h"
 
@@ -15,14 +15,14 @@ using namespace intaglio::haptics::vrpn;
 
 namespace {
 
-using Random = std::mt19937_64;
+using Twister = std::mt19937_64;
 
 int sampled(int whole, int fraction) {
   return std::getenv("INTAGLIO_SLOW") ? whole : whole / fraction;
 }
 
 // One frame of a random type, sound as a rule, then a few bytes of it changed, doubled or cut off.
-Bytes broken_frame(Random& random) {
+Bytes broken_frame(Twister& random) {
   const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
   Bytes payload(below(4) == 0 ? below(200)
                               : std::array<std::size_t, 8>{0, 4, 8, 12, 24, 40, 56, 64}[below(8)]);
@@ -64,7 +64,7 @@ void check(const Message& message, PeerNames& names) {
 }  // namespace
 
 TEST_CASE("broken frames: the framer and the decoders neither crash nor take what cannot be") {
-  Random random(1);
+  Twister random(1);
   const int frames = sampled(1000000, 10);
   Framer framer;
   PeerNames names;
@@ -89,7 +89,7 @@ TEST_CASE("broken frames: the framer and the decoders neither crash nor take wha
 
 TEST_CASE(
     "broken frames to a running server: peers are dropped, a sound client goes on, the force stays in bounds") {
-  Random random(2);
+  Twister random(2);
   const int frames = sampled(1000000, 50);
   RunningServer server;
   auto sound = std::move(*Client::connect(server.address(true)));

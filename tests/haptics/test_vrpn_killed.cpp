@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-#include "intaglio/haptics/devices/vrpn/vrpn_device.h"
+#include "haptics/vrpn/vrpn_device.h"
 #include "tests/haptics/vrpn_peers.h"
 
 using namespace intaglio;

@@ -4,8 +4,7 @@
 
 #include <algorithm>
 
-#include "intaglio/haptics/devices/vrpn/button.h"
-#include "intaglio/haptics/devices/vrpn/text.h"
+#include "haptics/vrpn/payloads.h"
 #include "tests/haptics/vrpn_peers.h"
 
 using namespace intaglio;

@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "intaglio/haptics/devices/vrpn/address.h"
-#include "intaglio/haptics/devices/vrpn/cookie.h"
-#include "intaglio/haptics/devices/vrpn/framer.h"
+#include "haptics/vrpn/client.h"
+#include "haptics/vrpn/message.h"
 #include "tests/haptics/vrpn_reencode.h"
 
 using namespace intaglio;

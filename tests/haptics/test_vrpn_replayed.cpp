@@ -1,7 +1,7 @@
 // The bytes of real VRPN programs, played to our client and to our server over real sockets.
 #include <doctest/doctest.h>
 
-#include "intaglio/haptics/devices/vrpn/force_messages.h"
+#include "haptics/vrpn/force.h"
 #include "tests/haptics/vrpn_capture.h"
 #include "tests/haptics/vrpn_peers.h"
 #include "tests/skipped.h"

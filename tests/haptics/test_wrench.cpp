@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "intaglio/core/random.h"
-#include "intaglio/haptics/pen.h"
-#include "intaglio/haptics/servo.h"
+#include "core/portable_math.h"
+#include "haptics/pen.h"
+#include "haptics/servo.h"
 #include "tests/surface/brick_surface.h"
 
 using namespace intaglio;

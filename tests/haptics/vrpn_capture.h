@@ -4,7 +4,7 @@
 #include <fstream>
 #include <string>
 
-#include "intaglio/haptics/devices/vrpn/wire.h"
+#include "haptics/vrpn/message.h"
 #include "tests/source_folder.h"
 
 namespace intaglio::haptics::vrpn {

@@ -8,9 +8,9 @@
 #include <mutex>
 #include <thread>
 
-#include "intaglio/haptics/devices/vrpn/client.h"
-#include "intaglio/haptics/devices/vrpn/descriptions.h"
-#include "intaglio/haptics/devices/vrpn/server.h"
+#include "haptics/vrpn/client.h"
+#include "haptics/vrpn/message.h"
+#include "haptics/vrpn/server.h"
 
 namespace intaglio::haptics::vrpn {
 

@@ -2,12 +2,9 @@
 // fuzzer.
 #pragma once
 
-#include "intaglio/haptics/devices/vrpn/button.h"
-#include "intaglio/haptics/devices/vrpn/descriptions.h"
-#include "intaglio/haptics/devices/vrpn/force_messages.h"
-#include "intaglio/haptics/devices/vrpn/names.h"
-#include "intaglio/haptics/devices/vrpn/text.h"
-#include "intaglio/haptics/devices/vrpn/tracker.h"
+#include "haptics/vrpn/payloads.h"
+#include "haptics/vrpn/message.h"
+#include "haptics/vrpn/force.h"
 
 namespace intaglio::haptics::vrpn {
 

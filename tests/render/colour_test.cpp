@@ -1,5 +1,5 @@
 // Colours on the device are the picture's, and their coarser levels its mean light.
-#include "intaglio/render/colour_levels.h"
+#include "render/surface_textures.h"
 
 #include <doctest/doctest.h>
 #include <rapidcheck.h>

@@ -2,7 +2,7 @@
 // same as ever where texels are larger.
 #include <rapidcheck.h>
 
-#include "intaglio/render/height_levels.h"
+#include "render/surface_textures.h"
 #include "scenes.h"
 
 namespace intaglio::render::test {

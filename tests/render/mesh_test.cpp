@@ -1,5 +1,5 @@
 // The traced relief beside the same texture as a displaced mesh.
-#include "intaglio/render/slab_mesh.h"
+#include "render/mesh.h"
 #include "oracle.h"
 #include "scenes.h"
 

@@ -7,9 +7,9 @@
 #include <numbers>
 #include <vector>
 
-#include "intaglio/render/frame_scene.h"
-#include "intaglio/render/renderer.h"
-#include "intaglio/surface/surface.h"
+#include "render/frame_scene.h"
+#include "render/renderer.h"
+#include "surface/surface.h"
 
 namespace intaglio::render::test {
 

@@ -1,6 +1,6 @@
 // Shaders from a folder, while one works on them.
-#include "intaglio/core/file.h"
-#include "intaglio/render/shader_files.h"
+#include "core/file.h"
+#include "render/programs.h"
 #include "scenes.h"
 #include "tests/temporary_folder.h"
 

@@ -9,9 +9,9 @@
 #include <memory>
 #include <string>
 
-#include "intaglio/render/egl_context.h"
-#include "intaglio/render/renderer.h"
-#include "intaglio/surface/surface.h"
+#include "render/egl_context.h"
+#include "render/renderer.h"
+#include "surface/surface.h"
 #include "tests/skipped.h"
 
 namespace intaglio::render::test {

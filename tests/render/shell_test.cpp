@@ -1,7 +1,7 @@
 // Relief on curved bases: on a flat one it is the slab's; on a sphere it is the displaced sphere.
-#include "intaglio/render/shell.h"
+#include "render/mesh.h"
 
-#include "intaglio/surface/mesh/mesh_shapes.h"
+#include "mesh/triangle_mesh.h"
 #include "oracle.h"
 #include "scenes.h"
 

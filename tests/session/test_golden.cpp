@@ -8,10 +8,10 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "intaglio/core/file.h"
-#include "intaglio/render/egl_context.h"
-#include "intaglio/session/scene_picture.h"
-#include "intaglio/surface/image_file.h"
+#include "core/file.h"
+#include "render/egl_context.h"
+#include "scene/picture.h"
+#include "surface/image/image_file.h"
 #include "tests/skipped.h"
 #include "tests/source_folder.h"
 

@@ -4,10 +4,10 @@
 #include <chrono>
 #include <thread>
 
-#include "intaglio/session/letter.h"
-#include "intaglio/session/live/live_session.h"
-#include "intaglio/session/shape_mesh.h"
-#include "intaglio/sound/outputs/null_device.h"
+#include "scene/scene_reader.h"
+#include "session/live_session.h"
+#include "scene/picture.h"
+#include "sound/audio/devices.h"
 
 using namespace intaglio;
 using namespace intaglio::session;

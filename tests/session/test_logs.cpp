@@ -1,4 +1,4 @@
-#include "intaglio/session/logs.h"
+#include "session/recording.h"
 
 #include <doctest/doctest.h>
 

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "intaglio/session/simulation.h"
+#include "session/simulation.h"
 
 using namespace intaglio;
 using namespace intaglio::session;

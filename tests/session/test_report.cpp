@@ -1,4 +1,4 @@
-#include "intaglio/session/report.h"
+#include "report/report.h"
 
 #include <doctest/doctest.h>
 
@@ -7,14 +7,13 @@
 #include <regex>
 #include <set>
 
-#include "intaglio/core/random.h"
-#include "intaglio/session/report_agreement.h"
-#include "intaglio/session/report_contacts.h"
-#include "intaglio/session/report_text.h"
-#include "intaglio/session/report_touches.h"
-#include "intaglio/session/report_tracks.h"
-#include "intaglio/surface/brick.h"
-#include "intaglio/surface/import.h"
+#include "core/portable_math.h"
+#include "report/agreement.h"
+#include "report/contacts.h"
+#include "report/html.h"
+#include "report/tracks.h"
+#include "surface/recipes/builtin.h"
+#include "surface/import.h"
 
 using namespace intaglio;
 using namespace intaglio::session;

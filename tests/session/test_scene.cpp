@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <string>
 
-#include "intaglio/session/covered_texels.h"
-#include "intaglio/session/scene.h"
-#include "intaglio/session/scene_surface.h"
+#include "scene/surfaces.h"
+#include "scene/scene.h"
 #include "tests/source_folder.h"
 
 using namespace intaglio;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "intaglio/session/simulation.h"
+#include "session/simulation.h"
 
 using namespace intaglio;
 using namespace intaglio::session;

@@ -1,4 +1,4 @@
-#include "intaglio/session/spectrogram.h"
+#include "report/spectrogram.h"
 
 #include <doctest/doctest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "intaglio/core/random.h"
+#include "core/portable_math.h"
 
 using namespace intaglio;
 using namespace intaglio::session;

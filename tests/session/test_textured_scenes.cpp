@@ -4,10 +4,9 @@
 #include <cmath>
 #include <set>
 
-#include "intaglio/session/back_mesh.h"
-#include "intaglio/session/scene_base.h"
-#include "intaglio/session/scene_picture.h"
-#include "intaglio/session/scene_world.h"
+#include "scene/picture.h"
+#include "scene/surfaces.h"
+#include "scene/world.h"
 #include "tests/source_folder.h"
 
 using namespace intaglio;

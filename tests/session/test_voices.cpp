@@ -5,10 +5,10 @@
 #include <filesystem>
 #include <set>
 
-#include "intaglio/core/file.h"
-#include "intaglio/session/scene_surface.h"
-#include "intaglio/session/voices.h"
-#include "intaglio/sound/model_file.h"
+#include "core/file.h"
+#include "scene/surfaces.h"
+#include "scene/voices.h"
+#include "sound/model_file.h"
 #include "tests/source_folder.h"
 #include "tests/temporary_folder.h"
 

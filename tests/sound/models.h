@@ -4,11 +4,12 @@
 #include <memory>
 #include <numbers>
 
-#include "intaglio/core/random.h"
-#include "intaglio/sound/fem/shapes.h"
-#include "intaglio/sound/modal_bank.h"
-#include "intaglio/sound/modal_model.h"
-#include "intaglio/sound/radiation.h"
+#include "core/portable_math.h"
+#include "sound/bake/fem/tet_mesh.h"
+#include "sound/modal_bank.h"
+#include "sound/modal_model.h"
+#include "sound/bake/radiation.h"
+#include "sound/bake/bake.h"
 
 namespace intaglio::sound::test {
 

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "intaglio/core/event.h"
-#include "intaglio/core/random.h"
-#include "intaglio/sound/synthesizer.h"
+#include "core/event.h"
+#include "core/portable_math.h"
+#include "sound/synthesizer.h"
 #include "tests/sound/models.h"
 
 namespace intaglio::sound::test {

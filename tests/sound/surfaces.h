@@ -4,7 +4,7 @@
 #include <map>
 #include <numbers>
 
-#include "intaglio/surface/mesh/triangle_mesh.h"
+#include "mesh/triangle_mesh.h"
 
 namespace intaglio::sound::test {
 

@@ -5,13 +5,13 @@
 #include <cmath>
 #include <numeric>
 
-#include "intaglio/sound/fem/canonical_basis.h"
-#include "intaglio/sound/fem/fill_surface.h"
-#include "intaglio/sound/merge_modes.h"
-#include "intaglio/sound/model_of_modes.h"
-#include "intaglio/sound/radiation.h"
-#include "intaglio/sound/scaled_model.h"
-#include "intaglio/sound/strike.h"
+#include "sound/bake/fem/modes.h"
+#include "sound/bake/fem/fill_surface.h"
+#include "sound/bake/merge_modes.h"
+#include "sound/bake/bake.h"
+#include "sound/bake/radiation.h"
+#include "sound/modal_model.h"
+#include "sound/strike.h"
 #include "tests/sound/models.h"
 
 using namespace intaglio;

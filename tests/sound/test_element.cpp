@@ -3,8 +3,8 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "intaglio/core/random.h"
-#include "intaglio/sound/fem/element.h"
+#include "core/portable_math.h"
+#include "sound/bake/fem/elastic_system.h"
 #include "tests/sound/models.h"
 
 using namespace intaglio;

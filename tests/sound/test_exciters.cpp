@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "intaglio/sound/contact_force.h"
-#include "intaglio/sound/impact.h"
-#include "intaglio/sound/micro.h"
+#include "sound/contact_step.h"
+#include "sound/impact.h"
+#include "sound/rubbing.h"
 #include "tests/sound/models.h"
 
 using namespace intaglio;

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "intaglio/sound/fem/fill_surface.h"
-#include "intaglio/sound/fem/modes.h"
-#include "intaglio/sound/fem/winding_number.h"
+#include "sound/bake/fem/fill_surface.h"
+#include "sound/bake/fem/modes.h"
+#include "sound/bake/fem/inside.h"
 #include "tests/sound/models.h"
 #include "tests/sound/surfaces.h"
 

@@ -6,11 +6,11 @@
 #include <cstdlib>
 #include <optional>
 
-#include "intaglio/core/random.h"
-#include "intaglio/sound/element_size.h"
-#include "intaglio/sound/fem/fill_surface.h"
-#include "intaglio/sound/model_file.h"
-#include "intaglio/surface/mesh/mesh_file.h"
+#include "core/portable_math.h"
+#include "sound/bake/bake.h"
+#include "sound/bake/fem/fill_surface.h"
+#include "sound/model_file.h"
+#include "mesh/mesh_file.h"
 #include "tests/sound/models.h"
 #include "tests/sound/surfaces.h"
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <map>
 
-#include "intaglio/sound/element_size.h"
-#include "intaglio/sound/fem/choose_mesher.h"
-#include "intaglio/sound/fem/prism.h"
+#include "sound/bake/bake.h"
+#include "sound/bake/fem/mesher.h"
+#include "sound/bake/fem/tet_mesh.h"
 #include "tests/sound/models.h"
 #include "tests/sound/surfaces.h"
 

@@ -4,11 +4,10 @@
 #include <cmath>
 #include <thread>
 
-#include "intaglio/core/spsc_queue.h"
-#include "intaglio/sound/live_sound.h"
-#include "intaglio/sound/outputs/null_device.h"
-#include "intaglio/sound/outputs/open_device.h"
-#include "intaglio/sound/outputs/test_clock_device.h"
+#include "core/lock_free.h"
+#include "sound/live_sound.h"
+#include "sound/audio/devices.h"
+#include "tests/sound/test_clock_device.h"
 #include "tests/count_allocations.h"
 #include "tests/sound/scenes.h"
 

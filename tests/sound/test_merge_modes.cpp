@@ -5,9 +5,9 @@
 #include <cmath>
 #include <unsupported/Eigen/FFT>
 
-#include "intaglio/core/random.h"
-#include "intaglio/sound/merge_modes.h"
-#include "intaglio/sound/model_file.h"
+#include "core/portable_math.h"
+#include "sound/bake/merge_modes.h"
+#include "sound/model_file.h"
 #include "tests/sound/models.h"
 
 using namespace intaglio;

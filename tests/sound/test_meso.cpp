@@ -4,8 +4,8 @@
 #include <cmath>
 #include <functional>
 
-#include "intaglio/core/rotation.h"
-#include "intaglio/sound/meso.h"
+#include "core/vec.h"
+#include "sound/rubbing.h"
 
 using namespace intaglio;
 using namespace intaglio::sound;

@@ -4,8 +4,8 @@
 #include <chrono>
 #include <cmath>
 
-#include "intaglio/sound/denormals.h"
-#include "intaglio/sound/modal_bank.h"
+#include "sound/denormals.h"
+#include "sound/modal_bank.h"
 #include "tests/count_allocations.h"
 #include "tests/sound/models.h"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "intaglio/core/random.h"
+#include "core/portable_math.h"
 #include "tests/count_allocations.h"
 #include "tests/sound/models.h"
 

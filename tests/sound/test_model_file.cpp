@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "intaglio/sound/model_file.h"
+#include "sound/model_file.h"
 #include "tests/sound/models.h"
 
 using namespace intaglio;

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <thread>
 
-#include "intaglio/core/random.h"
-#include "intaglio/sound/fem/factorisation.h"
-#include "intaglio/sound/fem/modes.h"
-#include "intaglio/sound/fem/shapes.h"
+#include "core/portable_math.h"
+#include "sound/bake/fem/block_lanczos.h"
+#include "sound/bake/fem/modes.h"
+#include "sound/bake/fem/tet_mesh.h"
 #include "tests/sound/models.h"
 
 using namespace intaglio;

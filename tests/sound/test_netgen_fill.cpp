@@ -6,10 +6,10 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "intaglio/core/file.h"
-#include "intaglio/sound/fem/choose_mesher.h"
-#include "intaglio/sound/fem/modes.h"
-#include "intaglio/sound/fem/shapes.h"
+#include "core/file.h"
+#include "sound/bake/fem/mesher.h"
+#include "sound/bake/fem/modes.h"
+#include "sound/bake/fem/tet_mesh.h"
 #include "tests/skipped.h"
 #include "tests/sound/models.h"
 #include "tests/sound/surfaces.h"

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <limits>
 
-#include "intaglio/core/file.h"
-#include "intaglio/sound/level.h"
-#include "intaglio/sound/outputs/wav.h"
+#include "core/file.h"
+#include "sound/synthesizer.h"
+#include "sound/audio/wav.h"
 #include "tests/temporary_folder.h"
 
 using namespace intaglio;

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "intaglio/sound/synthesizer.h"
+#include "sound/synthesizer.h"
 #include "tests/sound/scenes.h"
 
 using namespace intaglio;

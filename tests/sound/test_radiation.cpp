@@ -6,15 +6,13 @@
 #include <complex>
 #include <functional>
 
-#include "intaglio/core/random.h"
-#include "intaglio/sound/air.h"
-#include "intaglio/sound/impact.h"
-#include "intaglio/sound/model_of_modes.h"
-#include "intaglio/sound/near_field.h"
-#include "intaglio/sound/radiation.h"
-#include "intaglio/sound/strike.h"
-#include "intaglio/sound/surface_parts.h"
-#include "intaglio/sound/triangle_potential.h"
+#include "core/portable_math.h"
+#include "sound/modal_model.h"
+#include "sound/impact.h"
+#include "sound/bake/bake.h"
+#include "sound/bake/near_field.h"
+#include "sound/bake/radiation.h"
+#include "sound/strike.h"
 #include "tests/sound/models.h"
 
 using namespace intaglio;

@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <mutex>
 
-#include "intaglio/sound/modal_bank.h"
-#include "intaglio/sound/synthesizer.h"
+#include "sound/modal_bank.h"
+#include "sound/synthesizer.h"
 #include "tests/count_allocations.h"
 #include "tests/count_locks.h"
 #include "tests/sound/scenes.h"

@@ -9,8 +9,8 @@
 
 #include <cmath>
 
-#include "intaglio/sound/fem/modes.h"
-#include "intaglio/sound/fem/shapes.h"
+#include "sound/bake/fem/modes.h"
+#include "sound/bake/fem/tet_mesh.h"
 #include "tests/sound/models.h"
 
 using namespace intaglio;

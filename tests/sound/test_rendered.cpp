@@ -5,7 +5,7 @@
 #include <cmath>
 #include <complex>
 
-#include "intaglio/sound/synthesizer.h"
+#include "sound/synthesizer.h"
 #include "tests/sound/scenes.h"
 
 using namespace intaglio;

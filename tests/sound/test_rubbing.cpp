@@ -4,11 +4,10 @@
 #include <cmath>
 #include <numeric>
 
-#include "intaglio/sound/acceleration_noise.h"
-#include "intaglio/sound/air.h"
-#include "intaglio/sound/curvature.h"
-#include "intaglio/sound/impact.h"
-#include "intaglio/sound/rubbing.h"
+#include "sound/modal_bank.h"
+#include "sound/modal_model.h"
+#include "sound/impact.h"
+#include "sound/rubbing.h"
 #include "tests/sound/models.h"
 
 using namespace intaglio;

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <map>
 
-#include "intaglio/core/random.h"
-#include "intaglio/sound/fem/shapes.h"
-#include "intaglio/sound/sample_surface.h"
+#include "core/portable_math.h"
+#include "sound/bake/fem/tet_mesh.h"
+#include "sound/bake/sample_surface.h"
 #include "tests/sound/models.h"
 
 using namespace intaglio;

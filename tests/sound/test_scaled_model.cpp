@@ -2,9 +2,10 @@
 
 #include <cmath>
 
-#include "intaglio/sound/merge_modes.h"
-#include "intaglio/sound/scaled_model.h"
+#include "sound/bake/merge_modes.h"
+#include "sound/modal_model.h"
 #include "tests/sound/models.h"
+#include "sound/bake/bake.h"
 
 using namespace intaglio;
 using namespace intaglio::sound;

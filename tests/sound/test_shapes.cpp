@@ -4,9 +4,8 @@
 #include <map>
 #include <set>
 
-#include "intaglio/sound/fem/assemble.h"
-#include "intaglio/sound/fem/element.h"
-#include "intaglio/sound/fem/shapes.h"
+#include "sound/bake/fem/elastic_system.h"
+#include "sound/bake/fem/tet_mesh.h"
 #include "tests/sound/models.h"
 
 using namespace intaglio;

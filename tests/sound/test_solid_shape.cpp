@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "intaglio/sound/element_size.h"
-#include "intaglio/sound/fem/solid_shape.h"
+#include "sound/bake/bake.h"
+#include "sound/bake/fem/tet_mesh.h"
 #include "tests/sound/models.h"
 
 using namespace intaglio;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "intaglio/sound/strike.h"
+#include "sound/strike.h"
 #include "tests/sound/models.h"
 
 using namespace intaglio;

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <functional>
 
-#include "intaglio/core/hash.h"
-#include "intaglio/core/random.h"
-#include "intaglio/sound/pulse_pool.h"
-#include "intaglio/sound/synthesizer.h"
+#include "core/hash.h"
+#include "core/portable_math.h"
+#include "sound/impact.h"
+#include "sound/synthesizer.h"
 #include "tests/count_allocations.h"
 #include "tests/sound/scenes.h"
 

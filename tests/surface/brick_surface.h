@@ -6,9 +6,9 @@
 #include <memory>
 #include <vector>
 
-#include "intaglio/core/random.h"
-#include "intaglio/surface/import.h"
-#include "intaglio/surface/surface.h"
+#include "core/portable_math.h"
+#include "surface/import.h"
+#include "surface/surface.h"
 
 namespace intaglio::tests {
 

@@ -7,13 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "intaglio/core/hash.h"
-#include "intaglio/core/material.h"
-#include "intaglio/core/random.h"
-#include "intaglio/surface/builtin/builtin.h"
-#include "intaglio/surface/builtin/fractal.h"
-#include "intaglio/surface/builtin/painter.h"
-#include "intaglio/surface/noise.h"
+#include "core/hash.h"
+#include "core/material.h"
+#include "core/portable_math.h"
+#include "surface/recipes/builtin.h"
+#include "surface/recipes/noise.h"
+#include "surface/recipes/painter.h"
 
 using namespace intaglio;
 using namespace intaglio::surface;
@@ -290,7 +289,7 @@ TEST_CASE("stone_blocks has the most near-vertical edges") {
   CHECK(blocks > 1.5 * others);
 }
 
-TEST_CASE("the brick of brick.h is brick_running") {
+TEST_CASE("the brick of builtin.h is brick_running") {
   CHECK(hash_of(make_brick({})) == hash_of(make_texture(find_builtin("brick").value(), 512)));
   CHECK(find_builtin("brick")->about.name == "brick_running");
 }

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <string>
 
-#include "intaglio/core/file.h"
-#include "intaglio/surface/builtin/builtin.h"
+#include "core/file.h"
+#include "surface/recipes/builtin.h"
 #include "tests/source_folder.h"
 
 using namespace intaglio;

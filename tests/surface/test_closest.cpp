@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
-#include "intaglio/core/random.h"
-#include "intaglio/surface/closest.h"
+#include "core/portable_math.h"
+#include "surface/closest.h"
 #include "tests/surface/brick_surface.h"
 
 using namespace intaglio;

@@ -4,10 +4,9 @@
 #include <cmath>
 #include <filesystem>
 
-#include "intaglio/core/random.h"
-#include "intaglio/surface/detect.h"
-#include "intaglio/surface/maps.h"
-#include "intaglio/surface/noise.h"
+#include "core/portable_math.h"
+#include "surface/maps.h"
+#include "surface/recipes/noise.h"
 #include "tests/skipped.h"
 #include "tests/source_folder.h"
 

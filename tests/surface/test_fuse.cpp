@@ -5,12 +5,11 @@
 #include <functional>
 #include <numbers>
 
-#include "intaglio/core/random.h"
-#include "intaglio/surface/brick.h"
-#include "intaglio/surface/fft.h"
-#include "intaglio/surface/fuse.h"
-#include "intaglio/surface/import.h"
-#include "intaglio/surface/maps.h"
+#include "core/portable_math.h"
+#include "surface/recipes/builtin.h"
+#include "surface/fuse.h"
+#include "surface/import.h"
+#include "surface/maps.h"
 
 using namespace intaglio;
 using namespace intaglio::surface;

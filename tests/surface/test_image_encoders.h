@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "intaglio/core/image.h"
+#include "core/image.h"
 
 namespace intaglio::surface::encoders {
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include "intaglio/surface/image_file.h"
+#include "surface/image/image_file.h"
 #include "tests/surface/test_image_encoders.h"
 
 using namespace intaglio;

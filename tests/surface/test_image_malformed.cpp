@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "intaglio/surface/image_file.h"
+#include "surface/image/image_file.h"
 #include "tests/count_allocations.h"
 #include "tests/surface/test_image_corpus.h"
 

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <filesystem>
 
-#include "intaglio/core/file.h"
-#include "intaglio/surface/image_file.h"
-#include "intaglio/surface/import.h"
-#include "intaglio/surface/maps.h"
+#include "core/file.h"
+#include "surface/image/image_file.h"
+#include "surface/import.h"
+#include "surface/maps.h"
 #include "tests/skipped.h"
 #include "tests/source_folder.h"
 #include "tests/surface/brick_surface.h"

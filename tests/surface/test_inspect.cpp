@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <numeric>
 
-#include "intaglio/core/file.h"
-#include "intaglio/surface/asset.h"
-#include "intaglio/surface/inspect.h"
+#include "core/file.h"
+#include "surface/import.h"
+#include "surface/inspect.h"
 #include "tests/temporary_folder.h"
 
 using namespace intaglio;

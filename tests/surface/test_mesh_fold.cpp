@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "intaglio/surface/mesh/base_patch.h"
+#include "mesh/base_patch.h"
 #include "tests/surface/test_mesh_shapes.h"
 
 using namespace intaglio;

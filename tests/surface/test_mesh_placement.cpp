@@ -4,7 +4,7 @@
 #include <numbers>
 #include <thread>
 
-#include "intaglio/surface/mesh/base_patch.h"
+#include "mesh/base_patch.h"
 #include "tests/surface/test_mesh_shapes.h"
 
 using namespace intaglio;

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "intaglio/core/random.h"
-#include "intaglio/surface/mesh/mesh_placement.h"
-#include "intaglio/surface/mesh/mesh_shapes.h"
+#include "core/portable_math.h"
+#include "mesh/mesh_placement.h"
+#include "mesh/triangle_mesh.h"
 
 namespace intaglio::tests {
 

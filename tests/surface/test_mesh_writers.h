@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <limits>
 
-#include "intaglio/core/file.h"
-#include "intaglio/surface/mesh/mesh_file.h"
+#include "core/file.h"
+#include "mesh/mesh_file.h"
 #include "tests/surface/test_mesh_shapes.h"
 #include "tests/temporary_folder.h"
 

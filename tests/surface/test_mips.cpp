@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "intaglio/surface/mips.h"
+#include "surface/texels.h"
 #include "tests/surface/brick_surface.h"
 
 using namespace intaglio;

@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
-#include "intaglio/core/random.h"
-#include "intaglio/surface/pieces.h"
+#include "core/portable_math.h"
+#include "surface/closest_bounds.h"
 
 using namespace intaglio;
 using namespace intaglio::surface;

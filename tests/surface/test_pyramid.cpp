@@ -5,11 +5,11 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "intaglio/core/random.h"
-#include "intaglio/surface/closest.h"
-#include "intaglio/surface/extent.h"
-#include "intaglio/surface/pyramid.h"
-#include "intaglio/surface/ray.h"
+#include "core/portable_math.h"
+#include "surface/closest.h"
+#include "surface/surface.h"
+#include "surface/pyramid.h"
+#include "surface/ray.h"
 #include "tests/skipped.h"
 #include "tests/surface/brick_surface.h"
 

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "intaglio/core/random.h"
-#include "intaglio/surface/ray.h"
+#include "core/portable_math.h"
+#include "surface/ray.h"
 #include "tests/surface/brick_surface.h"
 
 using namespace intaglio;

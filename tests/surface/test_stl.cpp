@@ -3,7 +3,7 @@
 #include <cstring>
 #include <limits>
 
-#include "intaglio/surface/mesh/mesh_file.h"
+#include "mesh/mesh_file.h"
 
 using namespace intaglio;
 using namespace intaglio::surface;

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "intaglio/core/random.h"
-#include "intaglio/surface/closest.h"
-#include "intaglio/surface/ray.h"
+#include "core/portable_math.h"
+#include "surface/closest.h"
+#include "surface/ray.h"
 #include "tests/surface/brick_surface.h"
 
 using namespace intaglio;

@@ -3,8 +3,7 @@
 
 #include <cmath>
 
-#include "intaglio/window/pick.h"
-#include "intaglio/window/view_camera.h"
+#include "window/view_camera.h"
 
 using namespace intaglio;
 using namespace intaglio::window;

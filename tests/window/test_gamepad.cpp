@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "intaglio/session/scene_world.h"
-#include "intaglio/window/gamepad.h"
+#include "scene/world.h"
+#include "window/hands.h"
 #include "tests/skipped.h"
 
 using namespace intaglio;

@@ -1,8 +1,8 @@
 // What the mouse meets on a curved base.
 #include <doctest/doctest.h>
 
-#include "intaglio/surface/mesh/mesh_shapes.h"
-#include "intaglio/window/pick.h"
+#include "mesh/triangle_mesh.h"
+#include "window/view_camera.h"
 
 using namespace intaglio;
 

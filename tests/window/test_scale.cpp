@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "intaglio/window/sdl_window.h"
+#include "window/sdl_window.h"
 
 using namespace intaglio::window;
 

@@ -1,6 +1,6 @@
 #include <doctest/doctest.h>
 
-#include "intaglio/window/script.h"
+#include "window/script.h"
 
 using namespace intaglio;
 using namespace intaglio::window;

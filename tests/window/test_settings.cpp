@@ -2,10 +2,10 @@
 
 #include <cmath>
 
-#include "intaglio/core/file.h"
-#include "intaglio/window/file_watch.h"
-#include "intaglio/window/gamepad.h"
-#include "intaglio/window/settings.h"
+#include "core/file.h"
+#include "window/stage.h"
+#include "window/hands.h"
+#include "window/settings.h"
 #include "tests/temporary_folder.h"
 
 using namespace intaglio;

@@ -1,0 +1,122 @@
+// intaglio inspect FILE|DIR, intaglio import FILE|DIR -o DIR
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+
+#include "command/verb.h"
+#include "core/file.h"
+#include "report/inspect_page.h"
+#include "surface/import.h"
+
+namespace intaglio::app {
+
+namespace {
+
+struct Options {
+  std::string path, output, html, green, polarity;
+  bool json = false, raw = false, clamp = false;
+  double depth = -1;
+  int size = surface::ImportOptions().generated_size;
+};
+
+surface::ImportOptions import_options(const Options& options) {
+  surface::ImportOptions out;
+  if (!options.green.empty())
+    out.green = options.green == "+Y" ? surface::Green::plus_y : surface::Green::minus_y;
+  if (!options.polarity.empty())
+    out.polarity = options.polarity == "height" ? surface::Polarity::height : surface::Polarity::depth;
+  if (options.depth >= 0) out.depth_fraction = options.depth;
+  out.generated_size = options.size;
+  if (options.raw) out.mode = surface::ImportMode::raw;
+  if (options.clamp) out.edge = surface::Edge::clamp;
+  return out;
+}
+
+void add_import_options(CLI::App& verb, Options& options) {
+  verb.add_option("TEXTURE", options.path,
+                  "An image (normal, height or RGBA; PNG, JPEG, TGA, EXR), a folder of them, a built-in name "
+                  "(pebbles; docs/materials.md) or a recipe (.toml)")
+      ->required();
+  verb.add_option("--size", options.size, "Texels a side, of a texture made from a recipe")
+      ->check(CLI::Range(64, 8192));
+  verb.add_option("--green", options.green, "Sign of the green channel, instead of what is detected")
+      ->check(CLI::IsMember({"+Y", "-Y"}));
+  verb.add_option("--polarity", options.polarity, "What white means, instead of what is detected")
+      ->check(CLI::IsMember({"height", "depth"}));
+  verb.add_option("--depth", options.depth,
+                  "Full depth over the side of the tile, instead of what the normals imply")
+      ->check(CLI::Range(0.0, 10.0));
+  verb.add_flag("--raw", options.raw, "Take the maps as they are: no fusion, no implied height");
+  verb.add_flag("--no-tile", options.clamp, "The image does not repeat: its borders need not fit each other");
+}
+
+void print_summary(const surface::Inspection& i) {
+  fmt::print("{} x {} texels\n", i.width, i.height);
+  for (const std::string& note : i.notes) fmt::print("  {}\n", note);
+  for (const std::string& warning : i.warnings) fmt::print("  warning: {}\n", warning);
+  fmt::print("  full depth {:.2f} % of the side, rms slope {:.3f}, {:.2f} % steep, {:.2f} % near-vertical\n",
+             100 * i.depth_fraction, i.rms_slope, 100 * i.steep_fraction, 100 * i.near_vertical_fraction);
+  fmt::print("  best taken as {}: {}\n", i.representation, i.reason);
+}
+
+int run_inspect(const Options& options, const Common& common) {
+  if (!options.html.empty()) {
+    if (auto named = check_named(options.html, ".html", "a page"); !named) return report(named.error());
+    if (auto writable = check_writable(options.html); !writable) return report(writable.error());
+  }
+  const auto inspection = surface::inspect(options.path, import_options(options));
+  if (!inspection) return report(inspection.error());
+  if (!options.html.empty()) {
+    const auto title =
+        "Texture: " + std::filesystem::path(options.path).lexically_normal().filename().string();
+    if (auto written = write_file(options.html, session::inspection_html(*inspection, title)); !written)
+      return report(written.error());
+  }
+  if (options.json) {
+    fmt::print("{}", session::inspection_json(*inspection));
+  } else if (!common.quiet) {
+    print_summary(*inspection);
+  }
+  return 0;
+}
+
+int run_import(const Options& options, const Common& common) {
+  const auto imported = surface::import_texture(options.path, import_options(options));
+  if (!imported) return report(imported.error());
+  if (auto written = surface::write_asset(*imported, options.output); !written)
+    return report(written.error());
+  if (!common.quiet) {
+    for (const std::string& note : imported->notes) fmt::print("{}\n", note);
+    for (const std::string& warning : imported->warnings) fmt::print("warning: {}\n", warning);
+    fmt::print("{}: relief.png, color.png; use it with --surface {}\n", options.output, options.output);
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_inspect(CLI::App& app, Common& common) {
+  CLI::App* verb = app.add_subcommand(
+      "inspect", "What a texture is like: conventions, depth, slopes, and which representation suits it");
+  auto options = std::make_shared<Options>();
+  add_import_options(*verb, *options);
+  verb->add_flag("--json", options->json, "Print everything as one JSON object");
+  verb->add_option("--html", options->html, "Also write a page with pictures");
+  verb->footer("Example:\n  intaglio inspect my_wall/ --html out/my_wall.html");
+  verb->callback([options, &common] { common.exit_code = run_inspect(*options, common); });
+}
+
+void add_import(CLI::App& app, Common& common) {
+  CLI::App* verb = app.add_subcommand(
+      "import", "Images into one consistent surface: 16-bit normals and depth, +Y, 0 = top");
+  auto options = std::make_shared<Options>();
+  add_import_options(*verb, *options);
+  verb->add_option("-o,--output", options->output, "Folder for relief.png and color.png")->required();
+  verb->footer(
+      "Example:\n  intaglio import my_wall/ -o textures/wall\n  intaglio render scenes/brick.toml --surface "
+      "textures/wall -o out/wall.mp4");
+  verb->callback([options, &common] { common.exit_code = run_import(*options, common); });
+}
+
+}  // namespace intaglio::app

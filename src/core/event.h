@@ -1,0 +1,98 @@
+// What the senses tell each other: a contact between two bodies, with the time at which it happened.
+#pragma once
+
+#include <cassert>
+#include <cstdint>
+#include <initializer_list>
+#include <limits>
+#include <numeric>
+#include <optional>
+
+#include "core/vec.h"
+
+namespace intaglio {
+
+using BodyId = std::uint32_t;
+inline constexpr BodyId floor_body = 0;
+// Textured surfaces beside the floor are numbered from here, other bodies below.
+inline constexpr BodyId first_surface_body = 1u << 20;
+inline constexpr bool is_surface(BodyId id) {
+  return id == floor_body || id >= first_surface_body;
+}
+
+// A place on one of a body's textures.
+struct TexturePlace {
+  int texture = 0;            // which of the body's, in the order in which they were given
+  Vec2 uv = Vec2::Zero();     // 0..1
+  Vec2 sweep = Vec2::Zero();  // m/s along u and v: how fast the contact moves over it
+};
+
+enum class ContactPhase : std::uint8_t { begin, persist, end };
+
+// One step of one contact between `body` and the textured surface of `other`, which may be a body that moves
+// itself; or another body, which has no texture: then uv says nothing and both normals are the contact's. SI
+// units, world frame.
+struct ContactEvent {
+  double time = 0;            // s, the instant of the impulse, not of the frame that noticed it
+  BodyId body = 0;            // the moving body (ball, pen)
+  BodyId other = floor_body;  // the textured body
+  ContactPhase phase = ContactPhase::begin;
+  Vec3 point = Vec3::Zero();  // m
+  Vec2 uv = Vec2::Zero();     // where on the texture, 0..1
+  int texture = 0;            // which, of an `other` that has several; less than 0: none there
+  // m/s, v_t along u and v; unset: of a rectangle that does not move, whose frame tells.
+  std::optional<Vec2> sweep;
+  std::optional<TexturePlace> own;  // where on a texture of `body` itself, if it has one there
+  Vec3 n_g = Vec3::UnitY();         // normal of the coarse geometry
+  Vec3 n_s = Vec3::UnitY();         // normal sampled from the texture, or of the relief feature touched
+  // m/s, velocity of the contact along the coarse surface: of a ball that rolls that of its centre, of what
+  // slides that of the body. And what the body's own surface there moves at beyond that: -v_t when it rolls.
+  Vec3 v_t = Vec3::Zero();
+  Vec3 spin = Vec3::Zero();
+  Vec3 impulse = Vec3::Zero();  // N s, on the body, over the step that ends at `time`
+  double duration = 0;          // s, the length of that step
+  // s before `time`, 0..duration: when the surfaces met, of what did not touch before; else not-a-number.
+  double touch_age = std::numeric_limits<double>::quiet_NaN();
+  Pose body_pose;                  // of `body` at `time`
+  std::optional<Pose> other_pose;  // of `other`, when that moves
+};
+
+// How a surface's texture is taken by every sense: not at all, by its normals alone, or by its depth and
+// normals.
+
+enum class Representation { flat, normal, relief };
+
+// One SI clock for a session, shared by loops of different rates.
+//
+// Time is counted in whole ticks of 1 / lcm(all rates) seconds, so that "the 147th audio sample" and "the
+// 160th servo tick" fall in the right order and no loop drifts, however long the session. Rates are whole
+// hertz.
+
+using Ticks = std::int64_t;
+
+class Clock {
+ public:
+  // A clock in which each of `rates_hz` (all > 0) has a whole number of ticks a period.
+  explicit Clock(std::initializer_list<int> rates_hz) {
+    for (const int rate : rates_hz) {
+      assert(rate > 0);
+      ticks_per_second_ = std::lcm(ticks_per_second_, static_cast<Ticks>(rate));
+    }
+  }
+
+  Ticks ticks_per_second() const { return ticks_per_second_; }
+  double seconds(Ticks t) const { return static_cast<double>(t) / static_cast<double>(ticks_per_second_); }
+  // When step `index` of a loop of `rate_hz` is due.
+  Ticks due(std::int64_t index, int rate_hz) const { return index * (ticks_per_second_ / rate_hz); }
+  // How many steps of a loop of `rate_hz` fit into `duration_s`, rounded up.
+  std::int64_t steps(double duration_s, int rate_hz) const {
+    const double exact = duration_s * rate_hz;
+    const auto whole = static_cast<std::int64_t>(exact);
+    return exact - static_cast<double>(whole) > 1e-9 ? whole + 1 : whole;
+  }
+
+ private:
+  Ticks ticks_per_second_ = 1;
+};
+
+}  // namespace intaglio

@@ -1,0 +1,307 @@
+#include "core/toml.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "core/file.h"
+
+namespace intaglio {
+
+namespace {
+
+// What a TOML value is, for people.
+std::string kind(const toml::node& node) {
+  switch (node.type()) {
+    case toml::node_type::string:
+      return "a text";
+    case toml::node_type::boolean:
+      return "true or false";
+    case toml::node_type::array:
+      return "a list";
+    case toml::node_type::table:
+      return "a table";
+    case toml::node_type::integer:
+    case toml::node_type::floating_point:
+      return "a number";
+    default:
+      return "a date or time";
+  }
+}
+
+}  // namespace
+
+Result<toml::table> parse_toml(std::string_view text, const std::string& name) {
+  toml::parse_result parsed = toml::parse(text, name);
+  if (parsed) return std::move(parsed).table();
+  const toml::parse_error& error = parsed.error();
+  return fail(fmt::format("{}:{}", name, error.source().begin.line), std::string(error.description()),
+              "see the TOML reference, toml.io");
+}
+
+std::string TomlReader::where(const toml::node& node) const {
+  return fmt::format("{}:{}", name_, node.source().begin.line);
+}
+
+void TomlReader::set_error(const toml::node& node, std::string what, std::string fix) {
+  if (!error_) error_ = Error{where(node), std::move(what), std::move(fix)};
+}
+
+void TomlReader::fail_at(const char* key, std::string what, std::string fix) {
+  const toml::node* node = table_.get(key);
+  set_error(node != nullptr ? *node : table_, std::move(what), std::move(fix));
+}
+
+std::string TomlReader::line_of(const char* key) const {
+  const toml::node* node = table_.get(key);
+  return where(node != nullptr ? *node : table_);
+}
+
+void TomlReader::only_keys(const std::string& kind, const std::vector<const char*>& uses,
+                           const std::vector<const char*>& all) {
+  for (const char* key : all) {
+    const bool is_used = std::any_of(uses.begin(), uses.end(),
+                                     [&](const char* used) { return std::string_view(used) == key; });
+    if (is_used || !has(key)) continue;
+    return fail_at(key, fmt::format("{} says nothing of {}", full(key), kind),
+                   uses.empty() ? "leave it out"
+                                : fmt::format("leave it out; what is read here: {}", fmt::join(uses, ", ")));
+  }
+}
+
+const toml::node* TomlReader::take(const char* key) {
+  known_.insert(key);
+  return error_ ? nullptr : table_.get(key);
+}
+
+bool TomlReader::read_number(const char* key, const toml::node& node, const Range* range, double& value) {
+  const auto number = node.value<double>();
+  if (!number || node.is_boolean() || node.is_string()) {
+    set_error(node, fmt::format("{} is {}", full(key), kind(node)), "a number is needed");
+    return false;
+  }
+  if (!std::isfinite(*number)) {
+    set_error(node, fmt::format("{} is {}", full(key), *number), "a finite number is needed");
+    return false;
+  }
+  if (range != nullptr &&
+      (*number < range->low || *number > range->high || (range->low_open && *number == range->low))) {
+    set_error(node, fmt::format("{} is {}", full(key), *number), range->says);
+    return false;
+  }
+  value = *number;
+  return true;
+}
+
+void TomlReader::number(const char* key, double& value, const Range& range) {
+  if (const toml::node* node = take(key)) read_number(key, *node, &range, value);
+}
+
+void TomlReader::whole(const char* key, int& value, const Range& range) {
+  const toml::node* node = take(key);
+  double number = value;
+  if (node == nullptr || !read_number(key, *node, &range, number)) return;
+  if (number != std::floor(number))
+    return set_error(*node, fmt::format("{} is {}", full(key), number), "a whole number is needed");
+  value = static_cast<int>(number);
+}
+
+void TomlReader::text(const char* key, std::string& value) {
+  const toml::node* node = take(key);
+  if (node == nullptr) return;
+  if (!node->is_string())
+    return set_error(*node, fmt::format("{} is {}", full(key), kind(*node)), "a text in quotes is needed");
+  value = node->value_or(std::string());
+}
+
+void TomlReader::vector(const char* key, Vec3& value) {
+  const toml::node* node = take(key);
+  if (node == nullptr) return;
+  const toml::array* array = node->as_array();
+  if (array == nullptr || array->size() != 3) {
+    return set_error(*node,
+                     fmt::format("{} is {}{}", full(key), kind(*node),
+                                 array != nullptr ? fmt::format(" of {}", array->size()) : ""),
+                     "three numbers are needed: [x, y, z]");
+  }
+  // Farther or faster than anything that touches; what follows squares these numbers in floats.
+  static constexpr Range sane{-1e4, 1e4, false, "each number must be between -10000 and 10000"};
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!read_number(key, (*array)[k], &sane, value[static_cast<Eigen::Index>(k)])) return;
+  }
+}
+
+void TomlReader::pair(const char* key, Vec2& value, const Range& range) {
+  const toml::node* node = take(key);
+  if (node == nullptr) return;
+  const toml::array* array = node->as_array();
+  if (array == nullptr || array->size() != 2)
+    return set_error(*node, fmt::format("{} is not two numbers", full(key)),
+                     "two numbers are needed: [u, v]");
+  for (std::size_t k = 0; k < 2; ++k) {
+    if (!read_number(key, (*array)[k], &range, value[static_cast<Eigen::Index>(k)])) return;
+  }
+}
+
+void TomlReader::choice(const char* key, const std::vector<std::string>& names, int& value) {
+  const toml::node* node = take(key);
+  if (node == nullptr) return;
+  const std::string name = node->value_or(std::string());
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (names[k] == name && node->is_string()) {
+      value = static_cast<int>(k);
+      return;
+    }
+  }
+  set_error(*node, fmt::format("{} is {}", full(key), node->is_string() ? "\"" + name + "\"" : kind(*node)),
+            fmt::format("it must be one of \"{}\"", fmt::join(names, "\", \"")));
+}
+
+void TomlReader::rows(const char* key, std::size_t columns, std::vector<std::vector<double>>& value) {
+  const toml::node* node = take(key);
+  if (node == nullptr) return;
+  const std::string fix = fmt::format("a list of rows of {} numbers is needed", columns);
+  if (!node->is_array()) return set_error(*node, fmt::format("{} is {}", full(key), kind(*node)), fix);
+  value.clear();
+  for (const toml::node& row : *node->as_array()) {
+    const toml::array* numbers = row.as_array();
+    if (numbers == nullptr || numbers->size() != columns)
+      return set_error(
+          row, fmt::format("row {} of {} is not {} numbers", value.size() + 1, full(key), columns), fix);
+    value.emplace_back(columns);
+    for (std::size_t k = 0; k < columns; ++k) {
+      if (!read_number(key, (*numbers)[k], nullptr, value.back()[k])) return;
+    }
+  }
+}
+
+void TomlReader::table(const char* key, const std::function<void(TomlReader&)>& read) {
+  const toml::node* node = take(key);
+  if (node == nullptr) return;
+  if (!node->is_table())
+    return set_error(*node, fmt::format("{} is {}", full(key), kind(*node)),
+                     fmt::format("a table is needed: [{}]", full(key)));
+  TomlReader reader(*node->as_table(), name_, full(key), error_);
+  read(reader);
+  reader.finish();
+}
+
+void TomlReader::tables(const char* key, const std::function<void(TomlReader&)>& read) {
+  const toml::node* node = take(key);
+  if (node == nullptr) return;
+  const toml::array* array = node->as_array();
+  if (array == nullptr || !array->is_homogeneous(toml::node_type::table))
+    return set_error(*node, fmt::format("{} is {}", full(key), kind(*node)),
+                     fmt::format("tables are needed: [[{}]]", full(key)));
+  for (const toml::node& item : *array) {
+    TomlReader reader(*item.as_table(), name_, full(key), error_);
+    read(reader);
+    reader.finish();
+  }
+}
+
+void TomlReader::finish() {
+  if (error_) return;
+  for (const auto& [key, node] : table_) {
+    const std::string name(key.str());
+    if (known_.contains(name)) continue;
+    const std::string nearest = nearest_name(name, known_);
+    error_ = Error{fmt::format("{}:{}", name_, key.source().begin.line),
+                   fmt::format("unknown key \"{}\"", full(name.c_str())),
+                   nearest.empty() ? fmt::format("known here: {}", fmt::join(known_, ", "))
+                                   : fmt::format("did you mean \"{}\"?", nearest)};
+    return;
+  }
+}
+
+namespace {
+
+void read_micro(TomlReader& r, MicroRoughness& micro) {
+  r.number("rms_height", micro.rms_height, {0, 1e-2, false, "a height must be between 0 m and 0.01 m"});
+  r.number("correlation_length", micro.correlation_length,
+           {0, 1, true, "it must be greater than 0 m, at most 1 m"});
+  r.number("spectral_slope", micro.spectral_slope,
+           {-6, 0, false, "a spectral slope must be between -6 and 0"});
+}
+
+void read_overrides(TomlReader& r, Material& m) {
+  r.number("density", m.density,
+           {1, 1e5, false, "a density must be between 1 and 100000 kg/m^3 (aerogel to beyond osmium)"});
+  r.number("youngs_modulus", m.youngs_modulus,
+           {1e3, 1e13, false, "a Young's modulus must be between 1e3 and 1e13 Pa (jelly to beyond diamond)"});
+  r.number("poisson_ratio", m.poisson_ratio,
+           {-0.9, 0.49, false, "a Poisson ratio must be between -0.9 and 0.49"});
+  r.number("rayleigh_alpha", m.rayleigh_alpha, {0, 1e6, false, "alpha must be between 0 and 1e6 1/s"});
+  r.number("rayleigh_beta", m.rayleigh_beta, {0, 1, false, "beta must be between 0 and 1 s"});
+  r.number("friction", m.friction, {0, 10, false, "friction must be between 0 and 10"});
+  r.number("restitution", m.restitution, {0, 1, false, "restitution must be between 0 and 1"});
+  r.number("rolling_resistance", m.rolling_resistance,
+           {0, 1, false, "rolling resistance must be between 0 and 1"});
+  r.table("micro", [&](TomlReader& t) { read_micro(t, m.micro); });
+  // Outside of it no element is small enough, or nothing rings that can be heard.
+  const double speed = std::sqrt(m.youngs_modulus / m.density);
+  if (speed < 10 || speed > 50'000)
+    r.fail_at(r.has("youngs_modulus") ? "youngs_modulus" : "density",
+              fmt::format("sound would be {:.3g} m/s fast in it", speed),
+              "the square root of youngs_modulus over density must be between 10 and 50000 m/s (rubber 30, "
+              "steel 5000, diamond 18000)");
+  if (m.rayleigh_alpha == 0 && m.rayleigh_beta == 0)
+    r.fail_at(r.has("rayleigh_alpha") ? "rayleigh_alpha" : "rayleigh_beta", "it would ring for ever",
+              "rayleigh_alpha or rayleigh_beta must be greater than 0");
+}
+
+}  // namespace
+
+void read_material(TomlReader& reader, const char* key, Material& material) {
+  const auto start_from = [&](TomlReader& at, const char* name_key) {
+    std::string name = material.name;
+    at.text(name_key, name);
+    if (name == material.name) return;
+    const auto found = find_material(name);
+    if (found) {
+      material = *found;
+    } else {
+      at.fail_at(name_key, found.error().what, found.error().fix);
+    }
+  };
+  if (!reader.is_table(key)) return start_from(reader, key);
+  reader.table(key, [&](TomlReader& t) {
+    start_from(t, "name");
+    read_overrides(t, material);
+  });
+}
+
+Result<Material> parse_material(std::string_view text, const std::string& file_name) {
+  const auto table = parse_toml(text, file_name);
+  if (!table) return tl::unexpected(table.error());
+  std::optional<Error> error;
+  TomlReader reader(*table, file_name, "", error);
+  Material material;
+  material.name = std::filesystem::path(file_name).stem().string();
+  reader.text("name", material.name);
+  if (auto known = find_material(material.name); known && reader.has("name")) {
+    material = *known;
+  } else {
+    for (const char* key :
+         {"density", "youngs_modulus", "poisson_ratio", "rayleigh_alpha", "rayleigh_beta"}) {
+      if (!error && !reader.has(key))
+        return fail(
+            file_name, fmt::format("{} is missing", key),
+            "a material needs density, youngs_modulus, poisson_ratio, rayleigh_alpha and rayleigh_beta "
+            "in SI units, or the name of a built-in one");
+    }
+  }
+  read_overrides(reader, material);
+  reader.finish();
+  if (error) return tl::unexpected(*error);
+  return material;
+}
+
+Result<Material> named_material(const std::string& name_or_file) {
+  if (!name_or_file.ends_with(".toml")) return find_material(name_or_file);
+  const auto bytes = read_file(name_or_file, 1u << 20);
+  if (!bytes) return tl::unexpected(bytes.error());
+  return parse_material({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, name_or_file);
+}
+
+}  // namespace intaglio

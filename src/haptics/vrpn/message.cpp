@@ -1,0 +1,218 @@
+#include "haptics/vrpn/message.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cctype>
+#include <charconv>
+#include <chrono>
+
+namespace intaglio::haptics::vrpn {
+
+static std::size_t padded(std::size_t size) {
+  return (size + 7) / 8 * 8;
+}
+
+Stamp Stamp::now() {
+  const auto since = std::chrono::duration_cast<std::chrono::microseconds>(
+                         std::chrono::system_clock::now().time_since_epoch())
+                         .count();
+  return {static_cast<std::int32_t>(since / 1000000), static_cast<std::int32_t>(since % 1000000)};
+}
+
+Taken take_message(View bytes) {
+  if (bytes.size() < header_size) return {};
+  Reader header(bytes.first(header_size));
+  const std::int32_t length = header.i32();
+  // Before any arithmetic on it.
+  if (length < static_cast<std::int32_t>(header_size) || length > static_cast<std::int32_t>(message_limit))
+    return {Frame::bad, header_size, {}};
+  const auto size = static_cast<std::size_t>(length);
+  if (bytes.size() < padded(size)) return {};
+  Taken taken{Frame::whole, padded(size), {}};
+  taken.message.time.seconds = header.i32();
+  taken.message.time.microseconds = header.i32();
+  taken.message.sender = header.i32();
+  taken.message.type = header.i32();
+  taken.message.sequence = header.i32();
+  taken.message.payload = bytes.subspan(header_size, size - header_size);
+  return taken;
+}
+
+void append_message(Bytes& out, const Message& message) {
+  const std::size_t size = header_size + message.payload.size();
+  assert(size <= message_limit);
+  const std::size_t end = out.size() + padded(size);
+  put(out, static_cast<std::int32_t>(size));
+  put(out, message.time.seconds);
+  put(out, message.time.microseconds);
+  put(out, message.sender);
+  put(out, message.type);
+  put(out, message.sequence);
+  out.insert(out.end(), message.payload.begin(), message.payload.end());
+  out.resize(end);
+}
+
+void Framer::feed(View bytes) {
+  buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(used_));
+  used_ = 0;
+  buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
+}
+
+std::optional<Message> Framer::next() {
+  for (;;) {
+    const Taken taken = take_message(rest());
+    if (taken.frame == Frame::partial) return std::nullopt;
+    used_ += taken.size;
+    if (taken.frame == Frame::whole) return taken.message;
+    ++bad_frames_;
+  }
+}
+
+View Framer::take(std::size_t size) {
+  if (waiting() < size) return {};
+  const View taken = rest().first(size);
+  used_ += size;
+  return taken;
+}
+
+static constexpr std::string_view magic = "vrpn: ver. 07.38";
+static constexpr std::size_t log_mode_at = magic.size() + 2;
+
+std::array<std::uint8_t, cookie_size> our_cookie() {
+  std::array<std::uint8_t, cookie_size> cookie{};
+  std::copy(magic.begin(), magic.end(), cookie.begin());
+  std::fill(cookie.begin() + magic.size(), cookie.begin() + log_mode_at, ' ');
+  cookie[log_mode_at] = '0';
+  return cookie;
+}
+
+Cookie read_cookie(View bytes) {
+  if (bytes.size() != cookie_size) return {};
+  const std::string_view text = text_of(bytes);
+  const std::string_view major = magic.substr(0, magic.rfind('.') + 1);
+  const char log_mode = text[log_mode_at];
+  if (!text.starts_with(major) || log_mode < '0' || log_mode > '3') return {};
+  Cookie cookie{CookieMatch::same, log_mode - '0', std::string(text.substr(11, 5))};
+  for (char& c : cookie.version)
+    if (!std::isprint(static_cast<unsigned char>(c))) c = '?';
+  if (!text.starts_with(magic)) cookie.match = CookieMatch::other_minor_version;
+  return cookie;
+}
+
+std::optional<Type> type_named(std::string_view name) {
+  const auto found = std::find(type_names.begin(), type_names.end(), name);
+  if (found == type_names.end()) return std::nullopt;
+  return static_cast<Type>(found - type_names.begin());
+}
+
+// The place of `id` in a table that grows as far as a believable id asks; null beyond.
+template <class Table>
+static typename Table::value_type* place(Table& table, std::int32_t id) {
+  if (id < 0 || id >= id_limit) return nullptr;
+  const auto at = static_cast<std::size_t>(id);
+  if (at >= table.size()) table.resize(at + 1);
+  return &table[at];
+}
+
+bool PeerNames::learn_sender(std::int32_t id, std::string_view name) {
+  std::string* const known = place(senders_, id);
+  if (known) *known = name;
+  return known != nullptr;
+}
+
+bool PeerNames::learn_type(std::int32_t id, std::string_view name) {
+  std::optional<Type>* const known = place(types_, id);
+  if (known) *known = type_named(name);
+  return known != nullptr;
+}
+
+std::string_view PeerNames::sender(std::int32_t id) const {
+  return id >= 0 && static_cast<std::size_t>(id) < senders_.size() ? senders_[static_cast<std::size_t>(id)]
+                                                                   : std::string_view();
+}
+
+std::optional<Type> PeerNames::type(std::int32_t id) const {
+  return id >= 0 && static_cast<std::size_t>(id) < types_.size() ? types_[static_cast<std::size_t>(id)]
+                                                                 : std::nullopt;
+}
+
+std::vector<std::string> PeerNames::senders() const {
+  std::vector<std::string> named;
+  std::copy_if(senders_.begin(), senders_.end(), std::back_inserter(named),
+               [](const std::string& name) { return !name.empty(); });
+  return named;
+}
+
+bool PeerNames::knows(Type type) const {
+  return std::find(types_.begin(), types_.end(), std::optional(type)) != types_.end();
+}
+
+// ASCII whatever the locale.
+static bool printable(char c) {
+  return c >= ' ' && c <= '~';
+}
+static bool in_host(char c) {
+  return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.';
+}
+static bool sound_host(std::string_view host) {
+  return !host.empty() && host.size() < name_limit && std::all_of(host.begin(), host.end(), in_host);
+}
+
+std::optional<std::string_view> decode_name(View payload) {
+  Reader reader(payload);
+  const std::int32_t length = reader.i32();
+  if (length < 2 || length > static_cast<std::int32_t>(name_limit)) return std::nullopt;
+  const std::string_view text = text_of(reader.raw(static_cast<std::size_t>(length)));
+  if (!reader.done() || text.back() != '\0') return std::nullopt;
+  const std::string_view name = text.substr(0, text.size() - 1);
+  return std::all_of(name.begin(), name.end(), printable) ? std::optional(name) : std::nullopt;
+}
+
+void encode_name(Bytes& out, std::string_view name) {
+  put(out, static_cast<std::int32_t>(name.size() + 1));
+  put(out, name);
+  out.push_back(0);
+}
+
+std::optional<std::string> decode_udp_host(View payload) {
+  const std::string_view text = text_of(payload);
+  if (text.empty() || text.back() != '\0' || !sound_host(text.substr(0, text.size() - 1)))
+    return std::nullopt;
+  return std::string(text.substr(0, text.size() - 1));
+}
+
+void encode_udp_host(Bytes& out, std::string_view host) {
+  put(out, host);
+  out.push_back(0);
+}
+
+bool sound_log_description(View payload) {
+  Reader reader(payload);
+  const std::int64_t in = reader.i32(), out = reader.i32();
+  const auto limit = static_cast<std::int64_t>(message_limit);
+  if (!reader.ok() || in < 0 || out < 0 || in > limit || out > limit) return false;
+  // Whether a length counts its NUL is not specified.
+  const auto left = static_cast<std::int64_t>(reader.left());
+  return left >= in + out && left <= in + out + 2;
+}
+
+std::optional<DialRequest> decode_dial_request(View datagram) {
+  std::string_view text = text_of(datagram);
+  if (text.empty() || text.back() != '\0') return std::nullopt;
+  text.remove_suffix(1);
+  const std::size_t space = text.find(' ');
+  if (space == std::string_view::npos) return std::nullopt;
+  const std::string_view host = text.substr(0, space), digits = text.substr(space + 1);
+  int port = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
+  if (error != std::errc() || end != digits.data() + digits.size()) return std::nullopt;
+  if (!sound_host(host) || !sound_port(port)) return std::nullopt;
+  return DialRequest{std::string(host), port};
+}
+
+void encode_dial_request(Bytes& out, const DialRequest& request) {
+  put(out, std::string_view(request.host + " " + std::to_string(request.port)));
+  out.push_back(0);
+}
+
+}  // namespace intaglio::haptics::vrpn

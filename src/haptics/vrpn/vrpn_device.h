@@ -1,0 +1,96 @@
+// A haptic device at the other end of a VRPN link: tracker, buttons and force device of one name, for example
+// Phantom0@host.
+//
+// read(), write() and the other members of Device are real-time: they swap latest values with a thread of the
+// device's own, which dials, pings, redials a second after a loss, and talks to the socket; a force leaves
+// within 0.5 ms. One servo thread may use them.
+//
+// A link that is lost reads as not-a-number and as silent_for() without end, so that a guard goes to zero; a
+// device that was not heard of for `silence` counts as lost. When writes stop for that long, the far device
+// is told to let go.
+#pragma once
+
+#include <atomic>
+#include <mutex>
+#include <thread>
+
+#include "core/lock_free.h"
+#include "haptics/device.h"
+#include "haptics/vrpn/force.h"
+#include "haptics/vrpn/client.h"
+
+namespace intaglio::haptics::vrpn {
+
+// How the driver at the far end takes a force.
+enum class ForceBy {
+  field,  // a force field about the tip, for each write: PHANToM and Falcon drivers
+  plane,  // the plane that gives this force here and holds between writes: the paper's way, for slow links
+  force,  // the force itself: Intaglio's own server
+};
+
+struct VrpnDeviceOptions {
+  ForceBy force_by = ForceBy::field;
+  double plane_stiffness = 800;  // N/m
+  double plane_damping = 1;      // N s/m
+  PlaneUnits units;              // of the far driver
+  std::int32_t sensor = 0;
+  double silence = 0.040;  // s
+  ClientOptions client;    // `stopped` is the device's own business
+};
+
+class VrpnDevice : public Device {
+ public:
+  explicit VrpnDevice(const Address& address, const VrpnDeviceOptions& options = {});
+  ~VrpnDevice() override;
+
+  Vec3 read() override;
+  void write(const GuardedForce& force) override;
+  bool reads_orientation() const override { return true; }
+  Quat orientation() override {
+    heard_.update();
+    return heard_.value().orientation;
+  }
+  double silent_for() const override;
+
+  // Bit k: button k is pressed.
+  std::uint32_t buttons() const { return buttons_.load(std::memory_order_relaxed); }
+
+  // Not real-time. Waits until the device is heard of; false when that takes longer than `patience`.
+  bool wait_for_link(std::chrono::milliseconds patience) const;
+  // Why there is no link; what it was the last time, while there is one again.
+  LinkFailure last_failure() const;
+
+ private:
+  struct Heard {
+    Vec3 position = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+    Quat orientation = Quat::Identity();
+  };
+  struct Wanted {
+    Vec3 force = Vec3::Zero(), tip = Vec3::Zero();
+    std::int64_t time = 0;  // ns, steady clock
+  };
+
+  void run();
+  void serve(Client& client);
+  bool hear(const Received& received);
+  void forward(Client& client);
+  void display(Client& client, const Wanted& wanted);
+  void let_go(Client& client);
+  void remember(const LinkFailure& failure);
+
+  Address address_;
+  VrpnDeviceOptions options_;
+  LatestValue<Heard> heard_;
+  LatestValue<Wanted> wanted_;
+  Vec3 last_tip_ = Vec3::Zero();                  // servo thread
+  std::int64_t forwarded_ = 0;                    // link thread: time of the last force sent on
+  bool holding_ = false, plane_started_ = false;  // link thread: the far device displays a force of ours
+  std::atomic<std::int64_t> heard_at_{-1};        // ns, steady clock; negative: no link
+  std::atomic<std::uint32_t> buttons_{0};
+  std::atomic<bool> stopped_{false};
+  mutable std::mutex failure_mutex_;  // never taken by the servo thread
+  LinkFailure failure_;
+  std::thread thread_;
+};
+
+}  // namespace intaglio::haptics::vrpn

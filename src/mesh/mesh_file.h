@@ -1,0 +1,50 @@
+// Mesh files: Wavefront OBJ (.obj), glTF 2.0 (.gltf with embedded or side buffers, .glb) and, for their shape
+// only, STL (.stl, binary or ASCII), from untrusted sources.
+//
+// What is read: triangles (OBJ: polygons, cut into fans), positions, normals, UVs; glTF node transforms are
+// applied and v is turned, so that v = 0 is the bottom row in both. Materials, images, skins and animations
+// are not read. Units are taken as metres. Missing normals are computed, missing UVs are an error unless only
+// the shape is wanted. Limits: a file with its side files 256 MB, 4 million triangles; every count is checked
+// against the bytes that are there before memory is asked for. Side buffers must lie in the mesh's own folder
+// or below. Errors name the file, the place in it and what is wrong, on one line. Cost: about 2 s a million
+// triangles.
+//
+// Both parsers are our own: tinyobjloader reads a number that it does not understand ("nan") as 0, tinygltf
+// nests as deeply as the file says; and with either one every index has to be checked again.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "mesh/triangle_mesh.h"
+
+namespace intaglio::surface {
+
+inline constexpr std::size_t max_mesh_file_bytes = 256u << 20;
+
+// What a mesh is for: to lay a texture on it, or for its shape alone, where missing UVs are zero.
+enum class MeshUse { texture, shape };
+
+// The mesh of a file, checked (triangle_mesh.h). The format is chosen by the extension.
+Result<TriangleMesh> read_mesh(const std::filesystem::path& path, MeshUse use = MeshUse::texture);
+
+// The same from memory; `name` is for errors.
+Result<TriangleMesh> parse_obj(std::string_view text, const std::string& name,
+                               MeshUse use = MeshUse::texture);
+
+// The bytes of a side buffer named by its (decoded, relative) uri, at most `limit`.
+using SideBuffers =
+    std::function<Result<std::vector<std::uint8_t>>(const std::string& uri, std::size_t limit)>;
+// .gltf or .glb, told apart by its first bytes. Without `side_buffers` a file that names one is an error.
+Result<TriangleMesh> parse_gltf(std::span<const std::uint8_t> bytes, const std::string& name,
+                                const SideBuffers& side_buffers = {}, MeshUse use = MeshUse::texture);
+// STL, binary when its length is what its count of triangles says, else ASCII. UVs are zero, and the facets'
+// own normals are not believed: many writers leave them out.
+Result<TriangleMesh> parse_stl(std::span<const std::uint8_t> bytes, const std::string& name);
+
+}  // namespace intaglio::surface

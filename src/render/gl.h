@@ -1,0 +1,179 @@
+// The few OpenGL objects a picture needs, each owned by one C++ object that can be moved but not copied.
+//
+// All of this wants a current context (egl_context.h), when it is made, used and destroyed, and one thread.
+// Private to render/: nobody else includes OpenGL.
+#pragma once
+
+#include <epoxy/gl.h>
+
+#include <Eigen/Core>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/error.h"
+#include "render/mesh.h"
+
+namespace intaglio::render::gl {
+
+// A GL name with the function that deletes it; 0 owns nothing.
+template <void (*destroy)(GLuint)>
+class Handle {
+ public:
+  Handle() = default;
+  explicit Handle(GLuint name) : name_(name) {}
+  Handle(Handle&& other) noexcept : name_(std::exchange(other.name_, 0)) {}
+  Handle& operator=(Handle&& other) noexcept {
+    std::swap(name_, other.name_);
+    return *this;
+  }
+  ~Handle() {
+    if (name_) destroy(name_);
+  }
+  GLuint get() const { return name_; }
+
+ private:
+  GLuint name_ = 0;
+};
+
+inline void delete_program(GLuint name) {
+  glDeleteProgram(name);
+}
+inline void delete_shader(GLuint name) {
+  glDeleteShader(name);
+}
+inline void delete_texture(GLuint name) {
+  glDeleteTextures(1, &name);
+}
+inline void delete_framebuffer(GLuint name) {
+  glDeleteFramebuffers(1, &name);
+}
+inline void delete_buffer(GLuint name) {
+  glDeleteBuffers(1, &name);
+}
+inline void delete_vertex_array(GLuint name) {
+  glDeleteVertexArrays(1, &name);
+}
+
+// A linked vertex and fragment shader. Shaders are given in pieces, which are joined after the #version line.
+class Program {
+ public:
+  struct Piece {
+    std::string file, text;  // an error names file and line
+  };
+  using Pieces = std::vector<Piece>;
+
+  // `name` is for the error, which carries the compiler's log in one line.
+  static Result<Program> create(std::string name, const Pieces& vertex, const Pieces& fragment);
+
+  void use() const { glUseProgram(program_.get()); }
+  // These set a uniform by name; one that the compiler found unused is ignored. The program must be in use.
+  void set(const char* uniform, int value) const { glUniform1i(location(uniform), value); }
+  void set(const char* uniform, const Eigen::Vector3f& v) const {
+    glUniform3fv(location(uniform), 1, v.data());
+  }
+  void set(const char* uniform, const Eigen::Matrix4f& m) const {
+    glUniformMatrix4fv(location(uniform), 1, GL_FALSE, m.data());
+  }
+  // Ties a std140 uniform block to a binding point.
+  void bind_block(const char* block, GLuint binding) const;
+
+ private:
+  GLint location(const char* uniform) const { return glGetUniformLocation(program_.get(), uniform); }
+
+  Handle<delete_program> program_;
+};
+
+// What a 2-D texture holds and how it is read.
+struct TextureFormat {
+  GLint internal;  // GL_R32F, ...
+  GLenum format;   // of the data handed in: GL_RED, ...
+  GLenum type;     // GL_FLOAT, ...
+};
+
+class Texture {
+ public:
+  Texture() = default;
+  // Rows bottom first, tightly packed; null leaves the texels undefined. Nearest, clamped, one level.
+  Texture(int width, int height, const TextureFormat& format, const void* data);
+
+  void bind(int unit) const;
+  void set_filter(GLint minify, GLint magnify);
+  void set_edge(GLint wrap_mode);
+  void make_mipmaps();
+  // Hands in level `level` and makes it the last one.
+  void set_level(int level, int width, int height, const TextureFormat& format, const void* data);
+  GLuint name() const { return texture_.get(); }
+
+ private:
+  Handle<delete_texture> texture_;
+};
+
+// A colour texture and, when asked for, a 32-bit float depth texture to draw into.
+class Framebuffer {
+ public:
+  Framebuffer() = default;
+  static Result<Framebuffer> create(int width, int height, GLint colour_format, bool with_depth);
+
+  // Draws go here, over the whole of it.
+  void bind() const;
+  const Texture& colour() const { return colour_; }
+  GLuint name() const { return framebuffer_.get(); }
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+ private:
+  int width_ = 0;
+  int height_ = 0;
+  Texture colour_;
+  Texture depth_;
+  Handle<delete_framebuffer> framebuffer_;
+};
+
+// Triangles on the device: attribute 0 is the position, 1 the normal.
+class VertexArray {
+ public:
+  VertexArray();  // no attributes: for triangles that the vertex shader makes up
+  explicit VertexArray(const Mesh& mesh);
+
+  void draw() const;
+  std::size_t bytes() const { return bytes_; }  // of vertices and indices
+  // `count` vertices numbered by gl_VertexID alone.
+  void draw_unindexed(int count) const;
+
+ private:
+  Handle<delete_vertex_array> array_;
+  Handle<delete_buffer> vertices_;
+  Handle<delete_buffer> indices_;
+  GLsizei count_ = 0;
+  std::size_t bytes_ = 0;
+};
+
+// Copies of twelve vertices each, that differ in `attributes` vectors of three floats an instance.
+class InstanceArray {
+ public:
+  InstanceArray(int attributes, std::span<const float> data);
+  void draw() const;
+  std::size_t bytes() const { return bytes_; }
+
+ private:
+  Handle<delete_vertex_array> array_;
+  Handle<delete_buffer> instances_;
+  GLsizei count_ = 0;
+  std::size_t bytes_ = 0;
+};
+
+// A uniform block's storage at one binding point, written whole once a frame.
+class UniformBuffer {
+ public:
+  UniformBuffer(GLuint binding, GLsizeiptr bytes);
+  void write(const void* data);
+
+ private:
+  Handle<delete_buffer> buffer_;
+  GLsizeiptr bytes_;
+};
+
+}  // namespace intaglio::render::gl

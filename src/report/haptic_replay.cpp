@@ -1,0 +1,72 @@
+#include "report/haptic_replay.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/file.h"
+#include "haptics/haptic_log.h"
+#include "report/html.h"
+#include "report/tracks.h"
+#include "session/simulation.h"
+
+namespace intaglio::session {
+
+Result<haptics::HapticLog> read_haptic_log(const std::filesystem::path& path) {
+  const auto bytes = read_file(path);
+  if (!bytes) return tl::unexpected(bytes.error());
+  auto log =
+      haptics::decode_log({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path.string());
+  if (log && log->samples.empty()) return fail(path.string(), "the log has no ticks");
+  return log;
+}
+
+std::string haptic_summary(const haptics::HapticLog& log) {
+  std::size_t touching = 0, faults = 0, warm = 0;
+  double most = 0;
+  for (const haptics::ServoSample& s : log.samples) {
+    touching += s.touching || s.touching_ball;
+    faults += (s.guard_status & haptics::guard_status::fault) != 0;
+    warm += (s.guard_status & haptics::guard_status::warm) != 0;
+    most = std::max(most, s.force.norm());
+  }
+  const auto seconds = [&](std::size_t ticks) { return static_cast<double>(ticks) / log.rate; };
+  return fmt::format(
+      "{:.1f} s at {:.0f} Hz on \"{}\"\n  touching for {:.2f} s, at most {:.2f} N\n  guard: in fault for {:.2f} s, held "
+      "to the continuous force for {:.2f} s\n",
+      seconds(log.samples.size()), log.rate, log.texture, seconds(touching), most, seconds(faults),
+      seconds(warm));
+}
+
+std::string haptic_page(const haptics::HapticLog& log, const std::string& title) {
+  Recording recording;
+  recording.duration = static_cast<double>(log.samples.size()) / log.rate;
+  recording.servo_rate = static_cast<int>(log.rate);
+  recording.servo = log.samples;
+  recording.pen = 1;
+  return fmt::format(
+      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{0}</title>\n<style>\n{1}\n</style>\n"
+      "</head>\n<body>\n<main>\n<h1>{0}</h1>\n<section>\n<h2>Felt</h2>\n{2}</section>\n</main>\n</body>\n</html>\n",
+      escaped(title), report_css, felt_html(recording));
+}
+
+Result<Replayed> replay(const haptics::HapticLog& log, const Scene& scene) {
+  if (!scene.pen) return fail(scene.name, "the scene has no pen", "a [pen] table says how it is felt");
+  if (scene.pen->device.rate != log.rate) {
+    return fail(scene.name,
+                fmt::format("its servo rate is {} Hz, the log's {} Hz", scene.pen->device.rate, log.rate),
+                "set pen.device_rate to the log's");
+  }
+  const auto made = make_surface(scene);
+  if (!made) return tl::unexpected(made.error());
+  haptics::PenServo servo(made->surface, pen_options(scene, made->material));
+  haptics::ReplayDevice device(log.samples);
+  haptics::SceneSnapshot at_rest;
+  for (std::size_t tick = 0; !device.at_end(); ++tick) {
+    at_rest.time = static_cast<double>(tick) / log.rate;
+    servo.tick(device, at_rest, at_rest.time);
+  }
+  return Replayed{device.largest_difference(), haptics::fingerprint(*made->surface) == log.surface};
+}
+
+}  // namespace intaglio::session

@@ -1,0 +1,29 @@
+// A recorded session of touch, looked at and felt again.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "haptics/haptic_log.h"
+#include "scene/scene.h"
+
+namespace intaglio::session {
+
+Result<haptics::HapticLog> read_haptic_log(const std::filesystem::path& path);
+
+// A few lines: how long, on what, how strong, what the guard did.
+std::string haptic_summary(const haptics::HapticLog& log);
+
+// A self-contained page with height and force over time.
+std::string haptic_page(const haptics::HapticLog& log, const std::string& title);
+
+struct Replayed {
+  double largest_difference = 0;  // N, of the forces recorded and replayed
+  bool same_surface = false;      // the log's fingerprint is the scene's
+};
+
+// The recorded motion of the device on the scene's surface, by the scene's method; balls are left out.
+// Errors: the scene has no pen, its surface cannot be made, its servo rate is not the log's.
+Result<Replayed> replay(const haptics::HapticLog& log, const Scene& scene);
+
+}  // namespace intaglio::session

@@ -1,0 +1,88 @@
+// A short-time power spectrum of audio, and its picture on a logarithmic frequency axis.
+//
+// Hann windows, a quarter of a window apart, centred on their time; the audio is taken as silent outside.
+// Power is one-sided and scaled so that the spectrogram keeps the audio's energy (Parseval):
+//   sum over frames and bins of power x hop = sum over samples of audio^2.
+// Cost: about 20 us a frame of 2048; memory: 4 bytes a frame and bin, 0.35 MB a second at 44.1 kHz.
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/image.h"
+#include "report/svg_plot.h"
+
+namespace intaglio::session {
+
+struct Spectrogram {
+  static constexpr int frames_before = 1;  // frames before time 0, for four windows to cover the first sample
+
+  int window = 0;          // samples, a power of two
+  double sample_rate = 0;  // Hz
+  int frames = 0;
+  int bins = 0;              // window / 2 + 1
+  std::vector<float> power;  // frames x bins, mean square in full-scale units
+
+  int hop() const { return window / 4; }  // samples
+  double bin_hz() const { return window > 0 ? sample_rate / window : 0; }
+  // Of a window's middle, s.
+  double time(int frame) const { return (frame - frames_before) * hop() / sample_rate; }
+  std::span<const float> frame(int index) const {
+    return std::span(power).subspan(std::size_t(index) * std::size_t(bins), std::size_t(bins));
+  }
+};
+
+// Samples that are not finite count as silence. Empty without audio or with a rate that is not positive.
+Spectrogram make_spectrogram(std::span<const float> audio, double sample_rate, int window = 2048);
+
+// Power averaged over all frames, one value a bin.
+std::vector<double> mean_spectrum(const Spectrogram& spectrogram);
+
+// Decibels of a mean square against full scale, never below `floor_db`.
+double level_db(double mean_square, double floor_db);
+
+// What the picture shows.
+struct SpectrogramView {
+  double duration = 1;     // s, left edge is time 0
+  double low_hz = 50;      // bottom edge
+  double high_hz = 20000;  // top edge; logarithmic in between
+  double floor_db = -100;  // and below: the scale's first colour
+  double top_db = -20;     // and above: its last
+};
+
+// RGB, row 0 = high_hz. A pixel shows the loudest of the frames in its column, and the bins in its row
+// (interpolated where bins are farther apart than rows), so that no impact is lost between columns.
+Image8 spectrogram_image(const Spectrogram& spectrogram, const SpectrogramView& view, int width, int height);
+
+// How the power of a sound lies to a set of modal frequencies: near them, beside them, between them.
+
+// The mean spectrum of a sound, with the frequencies (Hz, finite, positive) at which it ought to ring. "Near"
+// is within `width` of a frequency, as a fraction of it. What cannot be told is not-a-number.
+class ModalSpectrum {
+ public:
+  ModalSpectrum(const Spectrogram& spectrogram, std::vector<double> modes, double width);
+
+  bool near_mode(double hz) const;
+
+  // Fraction of the energy between 20 Hz and 20 kHz that is near a mode; and the same for noise of equal
+  // energy an octave.
+  std::pair<double, double> share() const;
+
+  // dB by which the power density near a mode stands above that beside it, up to three widths away, where no
+  // mode is. For modes that stand far enough apart to tell and lie within 40 dB of the strongest. Ascending.
+  std::vector<double> contrasts_db() const;
+
+ private:
+  struct Prominence {
+    double inside = 0, beside = 0;  // mean power of a bin
+  };
+  Prominence prominence(double mode) const;
+
+  std::vector<double> modes_;  // ascending
+  std::vector<double> power_;
+  double bin_hz_;
+  double width_;
+};
+
+}  // namespace intaglio::session

@@ -1,0 +1,118 @@
+// A drawing of plots as inline SVG: axes that map values to its units, and marks that are styled by CSS
+// classes.
+//
+// Coordinates are in units of the drawing, y down. Whatever is not finite is left out, so that a broken
+// recording still gives a valid drawing. Colours come from the page's style sheet: a class names the kind of
+// mark, another the body that it belongs to.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace intaglio::session {
+
+struct Range {
+  double low = 0;
+  double high = 1;
+
+  double size() const { return high - low; }
+  // `fraction` of the size more at each end.
+  Range padded(double fraction) const { return {low - fraction * size(), high + fraction * size()}; }
+};
+
+// The smallest range that holds all finite values; `fallback` when there are none; never of size 0.
+Range range_of(std::span<const double> values, const Range& fallback = {});
+
+enum class AxisScale { linear, logarithmic };
+
+// Maps values to drawing units. `units` may run downwards (low > high), as for y.
+class Axis {
+ public:
+  Axis(const Range& values, const Range& units, AxisScale scale = AxisScale::linear);
+
+  double operator()(double value) const;
+  const Range& values() const { return values_; }
+  const Range& units() const { return units_; }
+  AxisScale scale() const { return scale_; }
+  // Round values inside the axis: about `count` on a linear one; 1, 2, 5 times powers of ten on a logarithmic
+  // one.
+  std::vector<double> ticks(int count) const;
+
+ private:
+  Range values_, units_;
+  AxisScale scale_;
+};
+
+// Decimals with which ticks that are `spacing` apart can be told from each other.
+int decimals_for(double spacing);
+
+// An evenly sampled series: value k is at x = start + k * step.
+struct Series {
+  double start = 0;
+  double step = 1;
+  std::span<const double> values;
+};
+
+enum class TextAnchor { start, middle, end };
+
+class SvgPlot {
+ public:
+  // `title` and `description` are read out in place of the picture.
+  SvgPlot(double width, double height, std::string_view classes, std::string_view title,
+          std::string_view description);
+
+  void line(double x0, double y0, double x1, double y1, std::string_view classes);
+  void rectangle(double x, double y, double width, double height, std::string_view classes);
+  void circle(double x, double y, double radius, std::string_view classes, std::string_view tooltip = {});
+  // A triangle that points down at (x, y).
+  void triangle(double x, double y, double size, std::string_view classes, std::string_view tooltip = {});
+  void text(double x, double y, std::string_view text, std::string_view classes,
+            TextAnchor anchor = TextAnchor::start);
+  // Text that reads upwards, or slants up to the right by `degrees`.
+  void turned_text(double x, double y, double degrees, std::string_view text, std::string_view classes,
+                   TextAnchor anchor);
+  void image(double x, double y, double width, double height, std::string_view uri);
+  void polyline(std::span<const double> xs, std::span<const double> ys, std::string_view classes,
+                std::string_view style = {});
+
+  // A curve of any length: where many samples fall into one unit of x, their least and greatest are drawn, so
+  // that no peak is lost. Clipped to the axes. Breaks where a value is not finite.
+  void curve(const Axis& x, const Axis& y, const Series& series, std::string_view classes);
+  // The same as an area between the least and the greatest value of each unit of x.
+  void envelope(const Axis& x, const Axis& y, const Series& series, std::string_view classes);
+
+  // Frame of a plot area with horizontal grid lines and labels at its left; `label` reads upwards beside
+  // them.
+  void y_axis(const Axis& x, const Axis& y, std::string_view label, int tick_count);
+  // Ticks below `bottom`, their labels and the unit.
+  void x_axis(const Axis& x, double bottom, std::string_view unit, int tick_count);
+
+  // The whole element. Call once.
+  std::string finish();
+
+ private:
+  std::string out_;
+};
+
+// Perceptually uniform colour scales: equal steps of a value are equal steps of lightness, also in grey and
+// for colour-blind eyes.
+
+using Rgb = std::array<std::uint8_t, 3>;  // sRGB
+
+// The scale "magma" of Smith and van der Walt (matplotlib, 2015), black to pale yellow, for t in 0..1
+// (clamped; not-a-number is 0). Within 3/255 of their table: sixth-degree fits by M. Zucker (2019, public
+// domain).
+Rgb magma(double t);
+
+// Stone: dark brown joint to grey-brown face, for t in 0..1 (clamped). Dark enough that bright lines stand
+// out on it.
+Rgb stone(double t);
+
+// WCAG relative luminance, 0..1.
+double luminance(const Rgb& colour);
+
+}  // namespace intaglio::session

@@ -1,0 +1,375 @@
+// Balls and bodies of a scene file.
+
+#include "scene/scene_reader.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <variant>
+
+#include "core/toml.h"
+#include "core/vec.h"
+
+namespace intaglio::session {
+
+namespace {
+
+constexpr Range length{0.001, 10, false, "a length must be between 0.001 m and 10 m"};
+
+// Positions are those of the world, or of the floor: x to the right, y out of it, z towards its lower edge,
+// from its middle.
+Pose read_frame(TomlReader& r, const SurfaceScene& floor) {
+  int frame = 0;
+  r.choice("frame", {"world", "floor"}, frame);
+  return frame == 0 ? Pose{} : Pose{floor.position, rotation_of(floor.rotation)};
+}
+
+void read_mass(TomlReader& r, double mass_now, Material& material) {
+  if (!r.has("mass")) return r.optional_key("mass");
+  double mass = 0;
+  r.number("mass", mass, positive("a mass must be greater than 0 kg"));
+  if (!(mass_now > 0)) return;
+  const double density = material.density * mass / mass_now;
+  if (!(density >= 1 && density <= 1e5))
+    return r.fail_at("mass", fmt::format("a mass of {:g} kg would make it of {:.3g} kg/m3", mass, density),
+                     fmt::format("between 1 and 100000 kg/m3, a mass of {:.2g} to {:.2g} kg",
+                                 mass_now / material.density, 1e5 * mass_now / material.density));
+  material.density = density;
+}
+
+contact::Shape read_shape(TomlReader& r, std::string& name) {
+  const std::vector<std::string> names = {"box", "sphere", "capsule", "cylinder", "letter"};
+  int shape = 0;
+  r.choice("shape", names, shape);
+  name = names[static_cast<std::size_t>(shape)];
+  Vec3 size = Vec3::Constant(0.1);
+  double radius = 0.05, height = 0.1;
+  std::string letter = "A";
+  r.vector("size", size);
+  r.number("radius", radius, length);
+  r.number("height", height, length);
+  r.text("letter", letter);
+  if ((shape == 0 || shape == 4) && (size.minCoeff() < 0.001 || size.maxCoeff() > 10))
+    r.fail_at("size", "a side of the body is out of range", "sides must be between 0.001 m and 10 m");
+  static const std::array<std::vector<const char*>, 5> uses = {
+      {{"size"}, {"radius"}, {"radius", "height"}, {"radius", "height"}, {"letter", "size"}}};
+  r.only_keys("a " + name, uses[static_cast<std::size_t>(shape)], {"size", "radius", "height", "letter"});
+  switch (shape) {
+    case 1:
+      return contact::Sphere{radius};
+    case 2:
+      return contact::Capsule{radius, 0.5 * height};
+    case 3:
+      return contact::Cylinder{radius, 0.5 * height};
+    case 4: {
+      name += " " + letter;
+      auto form = letter_shape(letter, size);
+      if (form) return *form;
+      r.fail_at("letter", "there is no letter " + letter, "one of A to Z or 0 to 9");
+      return contact::Box{0.5 * size};
+    }
+    default:
+      return contact::Box{0.5 * size};
+  }
+}
+
+void read_flipper(TomlReader& r, BodyScene& body) {
+  Flipper flipper;
+  const bool is_flipper = r.has("key");
+  r.choice("key", {"left", "right"}, flipper.key);
+  r.vector("pivot", flipper.pivot);
+  read_direction(r, "axis", flipper.axis);
+  r.number("sweep", flipper.sweep, {-180, 180, false, "a sweep must be between -180 and 180 degrees"});
+  if (!is_flipper)
+    return r.only_keys("a body that is no flipper (key = \"left\" or \"right\")", {},
+                       {"pivot", "axis", "sweep"});
+  r.only_keys("a flipper, which its key moves", {"pivot", "axis", "sweep"}, {"motion", "velocity", "spin"});
+  flipper.axis.normalize();
+  body.flipper = flipper;
+  body.body.motion = dynamics::Motion::driven;
+}
+
+void read_colour(TomlReader& r, Vec3& colour) {
+  r.vector("colour", colour);
+  if (colour.minCoeff() < 0 || colour.maxCoeff() > 1)
+    r.fail_at("colour", "colour is out of range", "give linear red, green, blue from 0 to 1");
+}
+
+}  // namespace
+
+Quat rotation_of(const Vec3& degrees) {
+  const Vec3 r = degrees * std::numbers::pi / 180;
+  return rotation(r.z(), Vec3::UnitZ()) * rotation(r.y(), Vec3::UnitY()) * rotation(r.x(), Vec3::UnitX());
+}
+
+void read_direction(TomlReader& r, const char* key, Vec3& direction) {
+  r.vector(key, direction);
+  if (direction.norm() < 1e-9 || direction.norm() > 1e9)
+    r.fail_at(key, std::string(key) + " has no direction", "give a vector that is not zero");
+}
+
+void read_ball(TomlReader& r, const SurfaceScene& floor, std::vector<BallScene>& balls) {
+  BallScene ball;
+  ball.material = *find_material("plastic");
+  r.number("radius", ball.radius, {0.001, 10, false, "a radius must be between 0.001 m and 10 m"});
+  read_material(r, "material", ball.material);
+  read_mass(r, ball.mass(), ball.material);
+  const Pose frame = read_frame(r, floor);
+  r.vector("position", ball.position);
+  r.vector("velocity", ball.velocity);
+  r.vector("spin", ball.angular_velocity);
+  if (r.has("colour")) {
+    read_colour(r, ball.colour.emplace(Vec3::Zero()));
+  } else {
+    r.optional_key("colour");
+  }
+  ball.position = frame.to_world(ball.position);
+  ball.velocity = frame.orientation * ball.velocity;
+  ball.angular_velocity = frame.orientation * ball.angular_velocity;
+  balls.push_back(ball);
+}
+
+void read_body(TomlReader& r, const SurfaceScene& floor, std::vector<BodyScene>& bodies) {
+  BodyScene body;
+  dynamics::ShapeBody& is = body.body;
+  is.shape = read_shape(r, body.name);
+  is.material = *find_material("wood");
+  read_material(r, "material", is.material);
+  read_mass(r, is.mass(), is.material);
+  int motion = 0;
+  r.choice("motion", {"free", "fixed"}, motion);
+  is.motion = static_cast<dynamics::Motion>(motion);
+  const Pose frame = read_frame(r, floor);
+  Vec3 position = Vec3::Zero(), degrees = Vec3::Zero(), velocity = Vec3::Zero(), spin = Vec3::Zero();
+  r.vector("position", position);
+  r.vector("rotation", degrees);
+  r.vector("velocity", velocity);
+  r.vector("spin", spin);
+  read_colour(r, body.colour);
+  r.number("kick", body.kick, at_least_zero("a kick must be between 0 and 20 m/s", 20));
+  read_flipper(r, body);
+  if (is.motion == dynamics::Motion::fixed) r.only_keys("a fixed body", {}, {"velocity", "spin"});
+  read_reliefs(r, is.shape, body.reliefs);
+  is.pose = {frame.to_world(position), frame.orientation * rotation_of(degrees)};
+  is.velocity = frame.orientation * velocity;
+  is.angular_velocity = frame.orientation * spin;
+  bodies.push_back(std::move(body));
+}
+
+// Textures of a scene file, and the curved bases and bodies that they lie on.
+
+void read_texture(TomlReader& r, SurfaceScene& surface) {
+  r.text("texture", surface.texture);
+  surface.line = r.line_of("texture");
+  if (r.has("green")) {
+    int green = 0;
+    r.choice("green", {"+Y", "-Y"}, green);
+    surface.green = green == 0 ? surface::Green::plus_y : surface::Green::minus_y;
+  } else {
+    r.optional_key("green");
+  }
+  if (r.has("polarity")) {
+    int polarity = 0;
+    r.choice("polarity", {"depth", "height"}, polarity);
+    surface.polarity = polarity == 0 ? surface::Polarity::depth : surface::Polarity::height;
+  } else {
+    r.optional_key("polarity");
+  }
+  int edge = static_cast<int>(surface.edge);
+  r.choice("edge", {"wrap", "clamp"}, edge);
+  surface.edge = static_cast<surface::Edge>(edge);
+  if (r.has("depth")) {
+    r.number("depth", surface.depth.emplace(), at_least_zero("depth must be between 0 m and 10 m", 10));
+  } else {
+    r.optional_key("depth");
+  }
+  int mode = static_cast<int>(surface.mode);
+  r.choice("maps", {"fused", "raw"}, mode);
+  surface.mode = static_cast<surface::ImportMode>(mode);
+}
+
+namespace {
+
+void read_repeat(TomlReader& r, Vec2& repeat) {
+  r.pair("repeat", repeat, {1, 64, false, "a texture can be repeated 1 to 64 times"});
+  if (repeat != Vec2(std::floor(repeat.x()), std::floor(repeat.y())))
+    r.fail_at("repeat", "a texture is repeated in part", "give whole numbers");
+}
+
+void only_keys_of_base(TomlReader& r, BaseScene::Shape shape) {
+  const std::vector<const char*> all = {"radius", "height", "file", "repeat"};
+  switch (shape) {
+    case BaseScene::Shape::bowl:
+      return r.only_keys("a bowl", {"radius", "repeat"}, all);
+    case BaseScene::Shape::cylinder:
+      return r.only_keys("a cylinder", {"radius", "height", "repeat"}, all);
+    case BaseScene::Shape::sphere:
+      return r.only_keys("a sphere", {"radius", "repeat"}, all);
+    case BaseScene::Shape::mesh:
+      return r.only_keys("a mesh", {"file", "repeat"}, all);
+  }
+}
+
+// On the side of a box that its Y leaves by, or, upside down, comes in by.
+SurfaceScene face_of(const contact::Box& box, bool bottom) {
+  SurfaceScene face;
+  face.size = {2 * box.half.x(), 2 * box.half.z()};
+  face.position = {0, bottom ? -box.half.y() : box.half.y(), 0};
+  face.rotation = {bottom ? 180.0 : 0.0, 0, 0};
+  face.thickness = box.half.y();
+  return face;
+}
+
+}  // namespace
+
+void read_base(TomlReader& r, SurfaceScene& surface) {
+  r.table("base", [&](TomlReader& reader) {
+    BaseScene& base = surface.base.emplace();
+    int shape = 0;
+    reader.choice("shape", {"bowl", "cylinder", "sphere", "mesh"}, shape);
+    base.shape = static_cast<BaseScene::Shape>(shape);
+    reader.number("radius", base.radius, {0.01, 100, false, "a radius must be between 0.01 m and 100 m"});
+    reader.number("height", base.height, {0.01, 100, false, "a height must be between 0.01 m and 100 m"});
+    reader.text("file", base.file);
+    read_repeat(reader, base.repeat);
+    base.line = reader.line_of("file");
+    only_keys_of_base(reader, base.shape);
+    if (base.shape == BaseScene::Shape::mesh && base.file.empty())
+      reader.fail_at("shape", "a mesh has no file", "give file = \"bowl.glb\", with texture coordinates");
+  });
+  if (surface.base) r.only_keys("a ground with a base", {"base"}, {"size"});
+}
+
+void read_reliefs(TomlReader& r, const contact::Shape& shape, std::vector<SurfaceScene>& reliefs) {
+  const auto* box = std::get_if<contact::Box>(&shape);
+  const auto* ball = std::get_if<contact::Sphere>(&shape);
+  const auto read_face = [&](TomlReader& t, bool bottom) {
+    SurfaceScene face = face_of(box == nullptr ? contact::Box{Vec3::Ones()} : *box, bottom);
+    read_texture(t, face);
+    reliefs.push_back(std::move(face));
+  };
+  for (const char* side : {"top", "bottom"})
+    if (box == nullptr && r.has(side))
+      r.fail_at(side, std::string("this body has no ") + side, "a box has; a sphere may have a skin");
+  r.table("top", [&](TomlReader& t) { read_face(t, false); });
+  r.table("bottom", [&](TomlReader& t) { read_face(t, true); });
+  if (ball == nullptr && r.has("skin"))
+    r.fail_at("skin", "this body has no skin", "a sphere has; a box may have a top and a bottom");
+  r.table("skin", [&](TomlReader& t) {
+    SurfaceScene skin;
+    BaseScene& base = skin.base.emplace();
+    base.shape = BaseScene::Shape::sphere;
+    base.radius = ball == nullptr ? 1 : ball->radius;
+    read_texture(t, skin);
+    read_repeat(t, base.repeat);
+    base.line = t.line_of("texture");
+    reliefs.push_back(std::move(skin));
+  });
+}
+
+namespace {
+
+constexpr int columns = 5, rows = 7;
+
+struct Glyph {
+  char letter;
+  std::array<std::uint8_t, rows> row;  // from the head down; the highest of five bits is the left one
+};
+
+constexpr Glyph glyphs[] = {
+    {'A', {0b01110, 0b10001, 0b10001, 0b11111, 0b10001, 0b10001, 0b10001}},
+    {'B', {0b11110, 0b10001, 0b10001, 0b11110, 0b10001, 0b10001, 0b11110}},
+    {'C', {0b01111, 0b10000, 0b10000, 0b10000, 0b10000, 0b10000, 0b01111}},
+    {'D', {0b11110, 0b10001, 0b10001, 0b10001, 0b10001, 0b10001, 0b11110}},
+    {'E', {0b11111, 0b10000, 0b10000, 0b11110, 0b10000, 0b10000, 0b11111}},
+    {'F', {0b11111, 0b10000, 0b10000, 0b11110, 0b10000, 0b10000, 0b10000}},
+    {'G', {0b01111, 0b10000, 0b10000, 0b10111, 0b10001, 0b10001, 0b01111}},
+    {'H', {0b10001, 0b10001, 0b10001, 0b11111, 0b10001, 0b10001, 0b10001}},
+    {'I', {0b11111, 0b00100, 0b00100, 0b00100, 0b00100, 0b00100, 0b11111}},
+    {'J', {0b00111, 0b00010, 0b00010, 0b00010, 0b00010, 0b10010, 0b01100}},
+    {'K', {0b10001, 0b10011, 0b10110, 0b11100, 0b10110, 0b10011, 0b10001}},
+    {'L', {0b10000, 0b10000, 0b10000, 0b10000, 0b10000, 0b10000, 0b11111}},
+    {'M', {0b10001, 0b11011, 0b11111, 0b10101, 0b10001, 0b10001, 0b10001}},
+    {'N', {0b10001, 0b11001, 0b11101, 0b10111, 0b10011, 0b10001, 0b10001}},
+    {'O', {0b01110, 0b11011, 0b10001, 0b10001, 0b10001, 0b11011, 0b01110}},
+    {'P', {0b11110, 0b10001, 0b10001, 0b11110, 0b10000, 0b10000, 0b10000}},
+    {'Q', {0b01110, 0b11011, 0b10001, 0b10001, 0b10111, 0b11011, 0b01111}},
+    {'R', {0b11110, 0b10001, 0b10001, 0b11110, 0b10110, 0b10011, 0b10001}},
+    {'S', {0b01111, 0b10000, 0b10000, 0b01110, 0b00001, 0b00001, 0b11110}},
+    {'T', {0b11111, 0b00100, 0b00100, 0b00100, 0b00100, 0b00100, 0b00100}},
+    {'U', {0b10001, 0b10001, 0b10001, 0b10001, 0b10001, 0b10001, 0b01110}},
+    {'V', {0b10001, 0b10001, 0b11011, 0b01010, 0b01110, 0b00100, 0b00100}},
+    {'W', {0b10001, 0b10001, 0b10001, 0b10101, 0b11111, 0b11011, 0b10001}},
+    {'X', {0b10001, 0b11011, 0b01110, 0b00100, 0b01110, 0b11011, 0b10001}},
+    {'Y', {0b10001, 0b11011, 0b01110, 0b00100, 0b00100, 0b00100, 0b00100}},
+    {'Z', {0b11111, 0b00011, 0b00110, 0b00100, 0b01100, 0b11000, 0b11111}},
+    {'0', {0b01110, 0b11011, 0b10001, 0b10001, 0b10001, 0b11011, 0b01110}},
+    {'1', {0b00100, 0b01100, 0b00100, 0b00100, 0b00100, 0b00100, 0b01110}},
+    {'2', {0b01110, 0b10001, 0b00011, 0b00110, 0b01100, 0b11000, 0b11111}},
+    {'3', {0b11110, 0b00001, 0b00001, 0b01110, 0b00001, 0b00001, 0b11110}},
+    {'4', {0b00110, 0b01110, 0b11010, 0b10010, 0b11111, 0b00010, 0b00010}},
+    {'5', {0b11111, 0b10000, 0b11110, 0b00001, 0b00001, 0b10001, 0b01110}},
+    {'6', {0b01110, 0b10000, 0b10000, 0b11110, 0b10001, 0b10001, 0b01110}},
+    {'7', {0b11111, 0b00001, 0b00011, 0b00110, 0b00100, 0b01100, 0b01000}},
+    {'8', {0b01110, 0b10001, 0b10001, 0b01110, 0b10001, 0b10001, 0b01110}},
+    {'9', {0b01110, 0b10001, 0b10001, 0b01111, 0b00001, 0b00001, 0b01110}},
+};
+
+using Raster = std::array<std::array<bool, columns>, rows>;
+
+Raster raster_of(const Glyph& glyph) {
+  Raster raster{};
+  for (std::size_t y = 0; y < rows; ++y)
+    for (std::size_t x = 0; x < columns; ++x) raster[y][x] = ((glyph.row[y] >> (columns - 1 - x)) & 1) != 0;
+  return raster;
+}
+
+// The largest rectangle that begins at (x, y) and goes on downwards as long as all of its row does.
+struct Bar {
+  std::size_t x0, y0, x1, y1;  // past the end
+};
+Bar take_bar(Raster& raster, std::size_t x, std::size_t y, bool tall_first) {
+  Bar bar{x, y, x + 1, y + 1};
+  const auto filled = [&](std::size_t x0, std::size_t x1, std::size_t at) {
+    for (std::size_t k = x0; k < x1; ++k)
+      if (!raster[at][k]) return false;
+    return true;
+  };
+  if (!tall_first)
+    while (bar.x1 < columns && raster[y][bar.x1]) ++bar.x1;
+  while (bar.y1 < rows && filled(bar.x0, bar.x1, bar.y1)) ++bar.y1;
+  for (std::size_t j = bar.y0; j < bar.y1; ++j)
+    for (std::size_t i = bar.x0; i < bar.x1; ++i) raster[j][i] = false;
+  return bar;
+}
+
+}  // namespace
+
+std::optional<contact::Shape> letter_shape(const std::string& text, const Vec3& size) {
+  if (text.size() != 1) return std::nullopt;
+  for (const Glyph& glyph : glyphs) {
+    if (glyph.letter != text[0]) continue;
+    Raster raster = raster_of(glyph);
+    std::vector<contact::CompoundChild> children;
+    const Vec3 cell(size.x() / columns, size.y(), size.z() / rows);
+    for (std::size_t y = 0; y < rows; ++y) {
+      for (std::size_t x = 0; x < columns; ++x) {
+        if (!raster[y][x]) continue;
+        const bool tall = x + 1 == columns || !raster[y][x + 1];
+        const Bar bar = take_bar(raster, x, y, tall);
+        const Vec3 low(static_cast<double>(bar.x0), -0.5, static_cast<double>(bar.y0));
+        const Vec3 high(static_cast<double>(bar.x1), 0.5, static_cast<double>(bar.y1));
+        const Vec3 middle = 0.5 * (low + high) - Vec3(0.5 * columns, 0, 0.5 * rows);
+        children.push_back({contact::Box{0.5 * (high - low).cwiseProduct(cell)},
+                            {middle.cwiseProduct(cell), Quat::Identity()}});
+      }
+    }
+    return contact::make_compound(std::move(children));
+  }
+  return std::nullopt;
+}
+
+}  // namespace intaglio::session

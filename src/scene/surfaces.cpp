@@ -1,0 +1,221 @@
+#include "scene/surfaces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <variant>
+
+#include "core/error.h"
+#include "mesh/mesh_file.h"
+#include "mesh/triangle_mesh.h"
+#include "surface/import.h"
+#include "surface/maps.h"
+#include "surface/recipes/builtin.h"
+
+namespace intaglio::session {
+
+namespace {
+
+// On its rectangle.
+Result<SceneSurface> make_flat(const SurfaceScene& from) {
+  SceneSurface out;
+  out.material = *find_material("brick");
+  surface::Texels texels;
+  double depth = 0;
+  auto recipe = surface::recipe_named(from.texture);
+  if (!recipe) return tl::unexpected(recipe.error());
+  if (*recipe) {
+    const surface::BuiltinMaterial& about = (*recipe)->about;
+    texels = surface::to_texels(surface::make_texture(**recipe, surface::builtin_size));
+    out.material = about.material;
+    out.roughness = about.roughness;
+    depth = about.depth_fraction * from.size.x();
+    if (from.depth) surface::rescale_normals(texels.normal, *from.depth / depth);
+    depth = from.depth.value_or(depth);
+  } else {
+    surface::ImportOptions options;
+    options.green = from.green;
+    options.polarity = from.polarity;
+    options.mode = from.mode;
+    options.edge = from.edge;
+    if (from.depth) options.depth_fraction = *from.depth / from.size.x();
+    auto imported = surface::import_texture(from.texture, options);
+    if (!imported) return tl::unexpected(imported.error());
+    out.notes = imported->notes;
+    for (const std::string& warning : imported->warnings) out.notes.push_back("warning: " + warning);
+    depth = imported->depth_fraction * from.size.x();
+    texels = std::move(imported->texels);
+  }
+  if (from.material) out.material = *from.material;
+  if (texels.depth.empty() && from.representation == Representation::relief) {
+    return fail(from.texture, "has normals but no depth",
+                "take maps = \"fused\", give a height map too, or use --representation normal");
+  }
+  const surface::Placement placement(from.position, rotation_of(from.rotation), from.size.x(), from.size.y());
+  out.surface = std::make_shared<const surface::Surface>(std::move(texels), placement, depth, from.edge);
+  return out;
+}
+
+Result<SceneSurface> make_one(const SurfaceScene& from) {
+  SurfaceScene measured = from;
+  std::optional<surface::MeshPlacement> base;
+  if (from.base) {
+    auto made = make_base(*from.base, {from.position, rotation_of(from.rotation)});
+    if (!made) return tl::unexpected(with_where(from.base->line, made.error()));
+    measured.size = texture_size(made->mesh());
+    base = std::move(*made);
+  }
+  auto out = make_flat(measured);
+  if (!out) return tl::unexpected(with_where(from.line, out.error()));
+  if (!base) return out;
+  auto curved = surface::ReliefMesh::make(out->surface, std::move(*base));
+  if (!curved) return tl::unexpected(with_where(from.base->line, curved.error()));
+  out->curved = std::move(*curved);
+  return out;
+}
+
+// Of a body the box must be left between its reliefs.
+Result<std::vector<SceneSurface>> make_reliefs(const BodyScene& body) {
+  std::vector<SceneSurface> out;
+  double depth = 0;
+  for (const SurfaceScene& relief : body.reliefs) {
+    auto made = make_one(relief);
+    if (!made) return tl::unexpected(made.error());
+    if (!made->curved) {
+      depth += made->surface->max_depth();
+      made->quad =
+          std::make_shared<const surface::TriangleMesh>(surface::make_quad(made->surface->placement()));
+    }
+    out.push_back(std::move(*made));
+  }
+  const auto* box = std::get_if<contact::Box>(&body.body.shape);
+  if (box != nullptr && depth > 1.8 * box->half.y())
+    return tl::unexpected(with_where(
+        body.reliefs.front().line,
+        {body.reliefs.front().texture,
+         fmt::format("is {:.3g} m deep on a {} that is {:.3g} m thick", depth, body.name, 2 * box->half.y()),
+         "give a lesser depth"}));
+  return out;
+}
+
+}  // namespace
+
+dynamics::ShapeBody textured(const BodyScene& body, const std::vector<SceneSurface>& reliefs) {
+  dynamics::ShapeBody out = body.body;
+  for (const SceneSurface& relief : reliefs) {
+    if (relief.curved) {
+      out.skin = relief.curved;
+    } else {
+      out.faces.push_back(relief.surface);
+    }
+  }
+  return out;
+}
+
+Result<SceneSurface> make_surface(const Scene& scene) {
+  auto floor = make_one(scene.surface);
+  if (!floor) return floor;
+  for (const SurfaceScene& ground : scene.grounds) {
+    auto made = make_one(ground);
+    if (!made) return made;
+    floor->grounds.push_back(std::move(*made));
+  }
+  if (auto checked = check_covered_texels(scene, *floor); !checked) return tl::unexpected(checked.error());
+  for (const BodyScene& body : scene.bodies) {
+    auto made = make_reliefs(body);
+    if (!made) return tl::unexpected(made.error());
+    floor->reliefs.push_back(std::move(*made));
+  }
+  return floor;
+}
+
+namespace {
+
+// So many that a ball rolls on it and not on a polygon; whole textures have whole numbers of them.
+int pieces(int wanted, double repeat) {
+  const int times = static_cast<int>(repeat);
+  return times * ((wanted + times - 1) / times);
+}
+
+Result<surface::TriangleMesh> mesh_of(const BaseScene& base) {
+  const int around = pieces(64, base.repeat.x()), up = pieces(32, base.repeat.y());
+  switch (base.shape) {
+    case BaseScene::Shape::cylinder:
+      return surface::make_cylinder(base.radius, base.height, around, pieces(1, base.repeat.y()));
+    case BaseScene::Shape::sphere:
+      return surface::make_sphere(base.radius, around, up);
+    case BaseScene::Shape::mesh:
+      return surface::read_mesh(base.file);
+    default:
+      return surface::make_bowl(base.radius, around, up);
+  }
+}
+
+}  // namespace
+
+Result<surface::MeshPlacement> make_base(const BaseScene& base, const Pose& pose) {
+  auto mesh = mesh_of(base);
+  if (!mesh) return tl::unexpected(mesh.error());
+  for (Vec2& uv : mesh->uvs) uv = uv.cwiseProduct(base.repeat);
+  return surface::MeshPlacement::make(surface::moved(std::move(*mesh), pose),
+                                      base.file.empty() ? "base" : base.file);
+}
+
+Vec2 texture_size(const surface::TriangleMesh& mesh) {
+  Vec2 sum = Vec2::Zero();
+  double whole = 0;
+  for (const surface::Triangle& t : mesh.triangles) {
+    const auto at = [&](int k) { return static_cast<std::size_t>(t[static_cast<std::size_t>(k)]); };
+    const Vec3 ab = mesh.positions[at(1)] - mesh.positions[at(0)],
+               ac = mesh.positions[at(2)] - mesh.positions[at(0)];
+    const Vec2 u = mesh.uvs[at(1)] - mesh.uvs[at(0)], v = mesh.uvs[at(2)] - mesh.uvs[at(0)];
+    const double twice = u.x() * v.y() - u.y() * v.x(), area = ab.cross(ac).norm();
+    if (std::abs(twice) < 1e-12) continue;
+    const Vec3 along_u = (v.y() * ab - u.y() * ac) / twice, along_v = (u.x() * ac - v.x() * ab) / twice;
+    sum += area * Vec2(along_u.norm(), along_v.norm());
+    whole += area;
+  }
+  return whole > 0 ? Vec2((sum / whole).cwiseMax(1e-3)) : Vec2::Ones();
+}
+
+namespace {
+
+constexpr double slow = 1e5, most = 1e6;  // texels
+
+double largest_ball(const Scene& scene) {
+  double radius = 0;
+  for (const BallScene& ball : scene.balls) radius = std::max(radius, ball.radius);
+  for (const BodyScene& body : scene.bodies)
+    if (const auto* ball = std::get_if<contact::Sphere>(&body.body.shape))
+      radius = std::max(radius, ball->radius);
+  return radius;
+}
+
+}  // namespace
+
+double covered_texels(const SceneSurface& relief, double radius) {
+  const surface::Surface& surface = *relief.surface;
+  if (!relief.curved || surface.is_flat()) return 0;
+  const surface::Placement& texture = surface.placement();
+  const double texel =
+      texture.size_u() * texture.size_v() / (double(surface.width()) * double(surface.height()));
+  return 2 * std::numbers::pi * radius * surface.max_depth() / texel;
+}
+
+Result<void> check_covered_texels(const Scene& scene, SceneSurface& floor) {
+  const double radius = largest_ball(scene);
+  for (std::size_t k = 0; k < floor.grounds.size(); ++k) {
+    const double texels = covered_texels(floor.grounds[k], radius);
+    if (texels < slow) continue;
+    const Error error = with_where(
+        scene.grounds[k].base->line,
+        {"", fmt::format("a ball of {:g} m lies over {:.2g} texels of this relief", radius, texels),
+         fmt::format("more than {:g} take too long: give a smaller repeat or depth, or a coarser texture",
+                     most)});
+    if (texels > most) return tl::unexpected(error);
+    floor.notes.push_back("warning: steps take long: " + error.message());
+  }
+  return {};
+}
+
+}  // namespace intaglio::session

@@ -1,0 +1,308 @@
+#include "scene/voices.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <condition_variable>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <numbers>
+#include <thread>
+
+#include "core/hash.h"
+#include "sound/bake/fem/tet_mesh.h"
+#include "sound/model_file.h"
+#include "sound/bake/bake.h"
+
+namespace intaglio::session {
+
+namespace {
+
+// Models of one scene, each baked once: twenty equal balls share one.
+class Bakery {
+ public:
+  Bakery(const std::string& scene, int modes, const VoiceOptions& options)
+      : scene_(scene), options_(options) {
+    bake_.modes.count = modes;
+  }
+
+  // Adds a ringing body of that mesh. `shape` names the mesh: equal names and materials are the same model.
+  void add(sound::SoundBody body, const std::string& name, const std::string& shape,
+           const std::function<sound::TetMesh()>& mesh, const Material& material) {
+    if (error_) return;
+    Hash hash = sound::bake_inputs(material, bake_);
+    hash.add(std::string_view(shape));
+    const std::string identity = fmt::format("{:016x}", hash.value());
+    auto& model = models_[identity];
+    if (!model) {
+      model = made(identity, name, mesh, material);
+      voices_.models.push_back(identity);
+    }
+    if (!model) return;
+    Voice voice{body.id, name, material.name, {}, {}};
+    for (const double omega : model->angular_frequency)
+      voice.frequencies.push_back(omega / (2 * std::numbers::pi));
+    for (const double damping : model->damping) voice.t60.push_back(std::log(1000.0) / damping);
+    voices_.voices.push_back(std::move(voice));
+    body.mass = model->mass;
+    body.model = model;
+    voices_.bodies.push_back(std::move(body));
+  }
+  Result<Voices> voices() {
+    if (error_) return tl::unexpected(*error_);
+    return std::move(voices_);
+  }
+
+ private:
+  using Model = std::shared_ptr<const sound::ModalModel>;
+
+  // A model that cannot be read, or is of something else, is baked again.
+  static Model found(const std::filesystem::path& folder, const std::string& identity) {
+    const auto file = folder / (identity + ".modes");
+    std::error_code ignored;
+    if (!std::filesystem::exists(file, ignored)) return nullptr;
+    auto read = sound::read_model(file);
+    if (!read || read->source != identity) return nullptr;
+    return std::make_shared<const sound::ModalModel>(std::move(*read));
+  }
+
+  Model made(const std::string& identity, const std::string& name,
+             const std::function<sound::TetMesh()>& mesh, const Material& material) {
+    if (!options_.beside.empty()) {
+      const auto folder = std::filesystem::path(scene_).parent_path() / options_.beside;
+      if (auto model = found(folder, identity)) return model;
+    }
+    if (!options_.cache.empty())
+      if (auto model = found(options_.cache, identity)) return model;
+    if (options_.stopped != nullptr && options_.stopped->load()) {
+      error_ = Error{scene_, "modal analysis was stopped", ""};
+      return nullptr;
+    }
+    sound::BakeOptions bake = bake_;
+    bake.source = identity;
+    auto baked = sound::bake(mesh(), material, bake);
+    if (!baked) {
+      error_ = Error{
+          scene_,
+          fmt::format("modal analysis of the {} of {} failed: {}", name, material.name, baked.error().what),
+          "make it stiffer, smaller or thicker: what is soft, large and thin has too many modes"};
+      return nullptr;
+    }
+    ++voices_.baked;
+    // A cache that cannot be written costs time, nothing else.
+    if (!options_.cache.empty())
+      (void)sound::write_model(options_.cache / (identity + ".modes"), *baked);
+    return std::make_shared<const sound::ModalModel>(std::move(*baked));
+  }
+
+  std::string scene_;
+  VoiceOptions options_;
+  sound::BakeOptions bake_;
+  std::map<std::string, Model> models_;
+  Voices voices_;
+  std::optional<Error> error_;
+};
+
+// A box's elements: `cells` along its longest side, one through what is thin.
+sound::TetMesh box_mesh(const Vec3& size, int cells) {
+  const auto along = [&](double side) {
+    const int n = static_cast<int>(std::lround(cells * side / size.maxCoeff()));
+    return std::clamp(n, side > 0.15 * size.maxCoeff() ? 2 : 1, cells);
+  };
+  return sound::box(size, along(size.x()), along(size.y()), along(size.z()));
+}
+
+// A curved ground rings like the flat slab over its bounds.
+void add_curved(Bakery& bakery, BodyId id, const std::string& name, const SurfaceScene& ground,
+                const SceneSurface& made) {
+  const surface::Box bounds = made.curved->bounds();
+  const Vec3 size(bounds.sizes().x(), ground.thickness, bounds.sizes().z());
+  sound::SoundBody body;
+  body.id = id;
+  body.is_fixed = true;
+  if (ground.representation != Representation::flat) body.textures = {made.surface};
+  body.rest_pose.position = bounds.center();
+  bakery.add(
+      body, name, fmt::format("slab {} {} {}", size.x(), size.y(), size.z()),
+      [size] { return box_mesh(size, 16); }, made.material);
+}
+
+void add_slab(Bakery& bakery, BodyId id, const std::string& name, const SurfaceScene& slab,
+              const SceneSurface& made) {
+  // The slab hangs below the base plane; its modal model is a box about its middle, Y up.
+  sound::SoundBody body;
+  body.id = id;
+  body.is_fixed = true;
+  if (slab.representation != Representation::flat) body.textures = {made.surface};
+  body.rest_pose = {
+      made.surface->placement().to_world({slab.size.x() / 2, slab.size.y() / 2, -slab.thickness / 2}),
+      rotation_of(slab.rotation)};
+  constexpr int cells = 24;
+  const auto along = [&](double side) {
+    return std::clamp(static_cast<int>(std::lround(cells * side / slab.size.maxCoeff())), 2, cells);
+  };
+  const auto mesh = [&] {
+    return sound::box({slab.size.x(), slab.thickness, slab.size.y()}, along(slab.size.x()), 1,
+                      along(slab.size.y()));
+  };
+  bakery.add(body, name, fmt::format("slab {} {} {}", slab.size.x(), slab.thickness, slab.size.y()), mesh,
+             made.material);
+}
+
+// The box about a shape, and its name.
+struct Solid {
+  std::string name;
+  std::function<sound::TetMesh()> mesh;
+};
+Solid cylinder(double radius, double length) {
+  return {fmt::format("cylinder {} {}", radius, length), [=] {
+            const int layers = std::clamp(static_cast<int>(std::lround(length / radius)), 2, 16);
+            return sound::cylinder(radius, length, 2, layers);
+          }};
+}
+Solid solid_of(const contact::Shape& shape) {
+  if (const auto* s = std::get_if<contact::Sphere>(&shape))
+    return {fmt::format("ball {}", s->radius), [r = s->radius] { return sound::ball(r, 2); }};
+  if (const auto* s = std::get_if<contact::Cylinder>(&shape)) return cylinder(s->radius, 2 * s->half_height);
+  if (const auto* s = std::get_if<contact::Capsule>(&shape))
+    return cylinder(s->radius, 2 * (s->half_height + 0.6 * s->radius));
+  Vec3 half = Vec3::Constant(contact::bounding_radius(shape) / std::sqrt(3.0));
+  if (const auto* s = std::get_if<contact::Box>(&shape)) half = s->half;
+  if (const auto* s = std::get_if<contact::Compound>(&shape)) {
+    half.setZero();
+    for (const contact::CompoundChild& child : *s->children)
+      if (const auto* box = std::get_if<contact::Box>(&child.shape))
+        half = half.cwiseMax(child.pose.position.cwiseAbs() + box->half);
+  }
+  return {fmt::format("box {} {} {}", half.x(), half.y(), half.z()),
+          [half] { return box_mesh(2 * half, 8); }};
+}
+
+void add_bodies(Bakery& bakery, const Scene& scene, const SceneSurface& surface) {
+  for (std::size_t k = 0; k < scene.balls.size(); ++k) {
+    const BallScene& ball = scene.balls[k];
+    sound::SoundBody body;
+    body.id = static_cast<BodyId>(k + 1);
+    body.radius_of_curvature = ball.radius;
+    const std::string name = scene.balls.size() == 1 ? "ball" : fmt::format("ball {}", k + 1);
+    bakery.add(
+        body, name, fmt::format("ball {}", ball.radius), [&] { return sound::ball(ball.radius, 2); },
+        ball.material);
+  }
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    const BodyScene& from = scene.bodies[k];
+    sound::SoundBody body;
+    body.id = static_cast<BodyId>(scene.balls.size() + k + 1);
+    body.is_fixed = from.body.motion != dynamics::Motion::free;
+    body.rest_pose = from.body.pose;
+    if (k < surface.reliefs.size() && scene.surface.representation != Representation::flat)
+      for (const SceneSurface& relief : surface.reliefs[k]) body.textures.push_back(relief.surface);
+    const Solid solid = solid_of(from.body.shape);
+    bakery.add(body, fmt::format("{} {}", from.name, k + 1), solid.name, solid.mesh, from.body.material);
+  }
+}
+
+}  // namespace
+
+Result<Voices> bake_voices(const Scene& scene, const SceneSurface& surface, const VoiceOptions& options) {
+  Bakery bakery(scene.name, scene.sound.modes, options);
+  add_slab(bakery, floor_body, "floor", scene.surface, surface);
+  for (std::size_t k = 0; k < surface.grounds.size(); ++k)
+    (surface.grounds[k].curved ? add_curved : add_slab)(bakery, static_cast<BodyId>(first_surface_body + k),
+                                                        fmt::format("ground {}", k + 1), scene.grounds[k],
+                                                        surface.grounds[k]);
+  add_bodies(bakery, scene, surface);
+  if (scene.pen) {
+    sound::SoundBody body;
+    body.id = static_cast<BodyId>(scene.balls.size() + scene.bodies.size() + 1);
+    body.radius_of_curvature = 0.001;  // a pen's tip, not its shaft
+    bakery.add(
+        body, "pen", fmt::format("pen {} {}", scene.pen->radius, scene.pen->length),
+        [&] { return sound::cylinder(scene.pen->radius, scene.pen->length, 1, 16); }, scene.pen->material);
+  }
+  return bakery.voices();
+}
+
+sound::SynthesizerOptions synthesizer_options(const Scene& scene) {
+  sound::SynthesizerOptions options;
+  options.sample_rate = scene.sound.sample_rate;
+  options.seed = static_cast<std::uint64_t>(scene.seed);
+  options.micro_level *= scene.sound.micro;
+  options.meso = scene.sound.meso.value_or(scene.surface.representation == Representation::normal
+                                               ? sound::MesoSource::normal_map
+                                               : sound::MesoSource::engine_impulses);
+  return options;
+}
+
+struct VoiceBaker::Shared {
+  struct Order {
+    std::uint64_t ticket = 0;
+    Scene scene;
+    SceneSurface surface;
+    std::filesystem::path cache;
+  };
+
+  std::mutex mutex;
+  std::condition_variable wake;
+  std::optional<Order> wanted;
+  std::uint64_t tickets = 0, done_ticket = 0;
+  std::optional<Result<Voices>> done;
+  std::atomic<bool> newer{false};  // than what is being made
+  bool busy = false, closed = false;
+};
+
+VoiceBaker::VoiceBaker() : shared_(std::make_shared<Shared>()) {
+  std::thread([shared = shared_] { work(shared); }).detach();
+}
+
+VoiceBaker::~VoiceBaker() {
+  const std::lock_guard lock(shared_->mutex);
+  shared_->closed = true;
+  shared_->newer = true;
+  shared_->wake.notify_one();
+}
+
+std::uint64_t VoiceBaker::ask(const Scene& scene, const SceneSurface& surface,
+                              const std::filesystem::path& cache) {
+  const std::lock_guard lock(shared_->mutex);
+  shared_->wanted = {++shared_->tickets, scene, surface, cache};
+  shared_->newer = true;
+  shared_->wake.notify_one();
+  return shared_->tickets;
+}
+
+std::optional<Result<Voices>> VoiceBaker::take(std::uint64_t ticket) {
+  const std::lock_guard lock(shared_->mutex);
+  if (!shared_->done || shared_->done_ticket != ticket) return std::nullopt;
+  return std::exchange(shared_->done, std::nullopt);
+}
+
+bool VoiceBaker::is_busy() const {
+  const std::lock_guard lock(shared_->mutex);
+  return shared_->busy;
+}
+
+void VoiceBaker::work(const std::shared_ptr<Shared>& shared) {
+  // Physics and pictures go first. On Linux a thread has a niceness of its own; failing changes nothing.
+  (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), 10);
+  std::unique_lock lock(shared->mutex);
+  while (true) {
+    shared->wake.wait(lock, [&] { return shared->wanted || shared->closed; });
+    if (shared->closed) return;
+    const Shared::Order order = std::move(*std::exchange(shared->wanted, std::nullopt));
+    shared->newer = false;
+    shared->busy = true;
+    lock.unlock();
+    auto voices = bake_voices(order.scene, order.surface, {order.cache, &shared->newer});
+    lock.lock();
+    shared->busy = false;
+    if (shared->wanted) continue;
+    shared->done = std::move(voices);
+    shared->done_ticket = order.ticket;
+  }
+}
+
+}  // namespace intaglio::session

@@ -1,0 +1,115 @@
+#include "scene/world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/vec.h"
+
+namespace intaglio::session {
+
+namespace {
+
+constexpr double flipper_seconds = 0.06;  // from rest to struck, and back
+
+dynamics::WorldOptions world_options(const Scene& scene, Representation representation) {
+  dynamics::WorldOptions options;
+  options.representation = representation;
+  options.method = scene.physics.method;
+  options.gravity = scene.physics.gravity;
+  options.step = 1.0 / scene.physics.rate;
+  options.normal_method = scene.physics.normal_method;
+  // Only where a scene has other bodies than balls: its sound would change otherwise.
+  options.report_pairs = !scene.bodies.empty();
+  return options;
+}
+
+}  // namespace
+
+SceneWorld::SceneWorld(const Scene& scene, const SceneSurface& surface, Representation representation)
+    : balls_(scene.balls),
+      bodies_(scene.bodies),
+      respawn_below_(scene.physics.respawn_below),
+      step_(1.0 / scene.physics.rate),
+      struck_(scene.bodies.size(), 0.0),
+      world_(surface.surface, surface.material, world_options(scene, representation)) {
+  for (std::size_t k = 0; k < surface.grounds.size(); ++k) {
+    const SceneSurface& ground = surface.grounds[k];
+    if (ground.curved) {
+      world_.add_surface(*ground.curved, ground.material, scene.grounds[k].thickness);
+    } else {
+      world_.add_surface(ground.surface, ground.material);
+    }
+  }
+  for (const BallScene& ball : balls_) world_.add(ball);
+  for (std::size_t k = 0; k < bodies_.size(); ++k)
+    world_.add(k < surface.reliefs.size() ? textured(bodies_[k], surface.reliefs[k]) : bodies_[k].body);
+}
+
+bool SceneWorld::is_free(BodyId id) const {
+  if (id < 1 || id > count()) return false;
+  return id <= balls_.size() || bodies_[id - balls_.size() - 1].body.motion == dynamics::Motion::free;
+}
+
+void SceneWorld::step(unsigned keys) {
+  turn_flippers(keys);
+  world_.step();
+  kick();
+  if (respawn_below_) respawn();
+}
+
+void SceneWorld::turn_flippers(unsigned keys) {
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    if (!bodies_[k].flipper) continue;
+    const Flipper& flipper = *bodies_[k].flipper;
+    const bool pressed = (keys & (flipper.key == 0 ? left_key : right_key)) != 0;
+    const double turn = step_ / flipper_seconds;
+    struck_[k] = std::clamp(struck_[k] + (pressed ? turn : -turn), 0.0, 1.0);
+    const Quat turned = rotation(struck_[k] * flipper.sweep * std::numbers::pi / 180, flipper.axis);
+    const Pose& rest = bodies_[k].body.pose;
+    world_.drive(body(k), {rest.to_world(flipper.pivot - turned * flipper.pivot), rest.orientation * turned});
+  }
+}
+
+// A bumper gives each ball that meets it some speed along the contact's normal.
+void SceneWorld::kick() {
+  for (const ContactEvent& event : world_.events()) {
+    if (is_surface(event.other) || event.other <= balls_.size() || event.other > count()) continue;
+    const double speed = bodies_[event.other - balls_.size() - 1].kick;
+    if (speed <= 0 || event.body > balls_.size() || event.phase != ContactPhase::begin) continue;
+    const BallScene& ball = balls_[event.body - 1];
+    world_.push(event.body, ball.mass() * speed * event.n_g);
+  }
+}
+
+void SceneWorld::respawn() {
+  for (std::size_t k = 0; k < count(); ++k) {
+    const auto id = static_cast<BodyId>(k + 1);
+    if (is_free(id) && world_.pose(id).position.y() < *respawn_below_) put_back(k);
+  }
+}
+
+void SceneWorld::put_back(std::size_t k) {
+  const auto id = static_cast<BodyId>(k + 1);
+  if (k < balls_.size()) {
+    const BallScene& ball = balls_[k];
+    world_.put(id, {ball.position, Quat::Identity()}, ball.velocity, ball.angular_velocity);
+  } else if (is_free(id)) {
+    const dynamics::ShapeBody& body = bodies_[k - balls_.size()].body;
+    world_.put(id, body.pose, body.velocity, body.angular_velocity);
+  }
+}
+
+void SceneWorld::reset() {
+  for (std::size_t k = 0; k < count(); ++k) put_back(k);
+}
+
+void SceneWorld::follow(const SceneWorld& other) {
+  for (std::size_t k = 0; k < std::min(count(), other.count()); ++k) {
+    const auto id = static_cast<BodyId>(k + 1);
+    if (is_free(id) && other.is_free(id))
+      world_.put(id, other.pose(k), other.world_.velocity(id), other.world_.angular_velocity(id));
+  }
+}
+
+}  // namespace intaglio::session

@@ -1,0 +1,241 @@
+// What a live session is told and what it shows: plain values that cross between the window's thread and the
+// physics thread in latest-value slots (core/latest.h). World frame, SI.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/event.h"
+#include "core/lock_free.h"
+#include "haptics/device.h"
+#include "haptics/pen.h"
+#include "haptics/proxy.h"
+#include "haptics/servo_loop.h"
+#include "scene/voices.h"
+#include "scene/world.h"
+#include "sound/audio_device.h"
+#include "sound/live_sound.h"
+
+namespace intaglio::session {
+
+inline constexpr std::size_t most_live_bodies = 256, most_marks = 64;
+
+struct Controls {
+  bool paused = false;
+  double speed = 1;             // simulated seconds a second, 0.01..1
+  std::uint64_t single = 0;     // steps asked for since the start, while paused
+  std::uint64_t resets = 0;     // asked for since the start
+  unsigned keys = 0;            // left_key, right_key of world.h
+  BodyId dragged = floor_body;  // the floor: none
+  Vec3 grip = Vec3::Zero();     // where it is held, in the body's frame
+  Vec3 pull_to = Vec3::Zero();  // m, where that point is wanted
+};
+
+// One contact of one step, to be drawn until it fades.
+struct ContactMark {
+  double time = 0;
+  BodyId body = 0, other = floor_body;
+  bool begins = false;
+  Vec3 point = Vec3::Zero(), n_g = Vec3::UnitY(), n_s = Vec3::UnitY(), impulse = Vec3::Zero();
+  Vec2 uv = Vec2::Zero();
+};
+
+struct LiveState {
+  double time = 0;          // s, simulated
+  std::uint64_t steps = 0;  // physics steps
+  std::uint64_t late = 0;   // steps left out because the machine did not keep up
+  double step_seconds = 0;  // CPU time of a step, smoothed
+  std::size_t bodies = 0;   // balls, then the scene's other bodies
+  std::array<Pose, most_live_bodies> pose;
+  std::uint64_t marks = 0;  // since the start; the newest is at (marks - 1) % most_marks
+  std::array<ContactMark, most_marks> mark;
+  haptics::ServoReport pen;
+};
+
+// A haptic device that a mouse leads: a PHANToM Desktop in a simulated hand whose wish is where the mouse
+// points. The force that a hand would feel holds this one back, so that the pen stays on the relief.
+//
+// lead() from one thread, read() and write() from the servo thread; neither waits. Real-time.
+
+class MouseDevice : public haptics::Device {
+ public:
+  // `start` in the device's workspace, metres.
+  MouseDevice(const haptics::DeviceModel& model, const haptics::Hand& hand, const Vec3& start);
+
+  // Where the hand wants the tip from now on, device workspace. It goes there at `speed` m/s at most.
+  void lead(const Vec3& target) { target_.publish(target); }
+
+  Vec3 read() override;
+  void write(const haptics::GuardedForce& force) override { force_ = force.newtons(); }
+
+ private:
+  static constexpr double speed = 0.6;  // m/s, well below the guard's limit
+
+  haptics::DeviceModel model_;
+  haptics::Hand hand_;
+  Latest<Vec3> target_;
+  // The servo thread's.
+  Vec3 wanted_, position_, velocity_ = Vec3::Zero(), force_ = Vec3::Zero();
+};
+
+// Between an audio device and what it plays: the source may be changed while the device runs, and what is
+// played can be looked at (a scope) and kept (a recording).
+//
+// play() from one thread, render() from the device's, take() from one. render() neither allocates nor waits;
+// play() waits until no render() uses the old source any more.
+
+class AudioTap : public sound::AudioSource {
+ public:
+  void play(sound::AudioSource* source);
+  void render(std::span<float> stereo) noexcept override;
+
+  // What was played since the last call, left and right by turns; what nobody takes in two seconds is lost.
+  void take(std::vector<float>& stereo);
+  std::uint64_t lost() const { return lost_.load(std::memory_order_relaxed); }
+
+ private:
+  std::atomic<sound::AudioSource*> source_{nullptr};
+  std::atomic<bool> busy_{false};
+  SpscQueue<float> played_{2 * 2 * 48'000};
+  std::atomic<std::uint64_t> lost_{0};
+};
+
+// Several textured slabs as one thing to touch: the pen meets whichever it is deepest in.
+//
+// The depth is the greatest of the slabs' depths: continuous, so that an energy made of it is one too; its
+// gradient is that of the deepest. A slab costs 0.1 us. Real-time; any thread.
+
+class UnionSolid : public haptics::Solid {
+ public:
+  void add(std::unique_ptr<haptics::Solid> part) { parts_.push_back(std::move(part)); }
+
+  haptics::Penetration at(const Vec3& p) const override {
+    haptics::Penetration deepest{-1e9, -Vec3::UnitY()};
+    for (const auto& part : parts_)
+      if (const haptics::Penetration here = part->at(p); here.depth > deepest.depth) deepest = here;
+    return deepest;
+  }
+
+ private:
+  std::vector<std::unique_ptr<haptics::Solid>> parts_;
+};
+
+// A scene that is alive: physics, touch and sound each in a thread of its own, in real time.
+//
+//   window ─ Controls ▶ physics thread ─ LiveState ▶ window        by core/latest slots
+//                        │  ▲
+//        SceneSnapshot   ▼  │ ServoReport        ContactEvents ▶ LiveSound ▶ the audio device's thread
+//                     servo thread
+//
+// Physics takes whole steps by the steady clock; when the machine does not keep up it leaves steps out and
+// counts them. Sound begins when its models are there: they come from a cache, or are baked by a thread of
+// their own, and meanwhile it is silent. The touch loop goes on while the scene is paused, as a hand would.
+//
+// create() takes what making the surfaces took, some tenths of a second; call it in a thread of its own to
+// keep a window alive. All other members: one thread, the window's.
+
+struct LiveOptions {
+  // Which senses take the texture; the others take the bare rectangle.
+  bool moves = true, feels = true, hears = true;
+  std::filesystem::path model_cache;  // empty: none
+  int sample_rate = 44'100;           // of the audio device
+  double gain_db = 0;
+};
+
+// The scene's pen, or one that fits its floor.
+PenScene pen_for(const Scene& scene);
+
+class LiveSession {
+ public:
+  // `surface` is make_surface(scene)'s, so that an unchanged texture need not be made again. `device` is the
+  // pen's; none: a MouseDevice. It outlives the session.
+  static Result<std::unique_ptr<LiveSession>> create(const Scene& scene, const SceneSurface& surface,
+                                                     const LiveOptions& options,
+                                                     haptics::Device* device = nullptr);
+  ~LiveSession();
+
+  // Bodies go on where `other`, a stopped session of the same scene, had them.
+  void follow(const LiveSession& other) { world_.follow(other.world_); }
+  // Resets and single steps that `other`, a stopped session, has done are not asked of this one.
+  void count_from(const LiveSession& other) {
+    singles_done_ = other.singles_done_;
+    resets_done_ = other.resets_done_;
+  }
+  // `tap` is what the audio device plays, `baker` makes what rings; null: no sound.
+  void start(AudioTap* tap, VoiceBaker* baker);
+  void stop();
+
+  // Once a picture: what is wanted of physics from now on.
+  void control(const Controls& controls);
+  // The newest state. Valid until the next call.
+  const LiveState& state() { return state_.fetch(); }
+
+  // Where the mouse wants the pen's tip, world; nothing happens with another device.
+  void lead_pen(const Vec3& tip);
+  void set_listener(const sound::Listener& listener);
+  void set_gain_db(double gain_db);
+
+  const Scene& scene() const { return scene_; }
+  const SceneSurface& surface() const { return surface_; }
+  const LiveOptions& options() const { return options_; }
+  bool is_free(BodyId id) const { return world_.is_free(id); }
+  BodyId pen_id() const { return world_.pen(); }
+  haptics::ServoLoop& servo() { return *servo_; }
+  // Of physics: how late a step was begun.
+  const haptics::Lateness& lateness() const { return lateness_; }
+  std::optional<sound::LiveStatus> sound_status();
+  bool has_sound() const { return sound_.load() != nullptr; }
+  // What went wrong with the sound, once; empty when nothing did.
+  std::string take_message();
+
+ private:
+  LiveSession(const Scene& scene, const SceneSurface& surface, const LiveOptions& options,
+              haptics::Device* device);
+
+  void begin_sound(Result<Voices> voices);
+  Scene heard() const;
+  void run();
+  void step(const Controls& controls);
+  void drag(const Controls& controls);
+  void exchange_with_pen();
+  void tell_sound();
+  ContactEvent pen_event();
+  void publish();
+
+  Scene scene_;
+  SceneSurface surface_;
+  LiveOptions options_;
+  SceneWorld world_;
+  std::unique_ptr<MouseDevice> mouse_;
+  std::unique_ptr<haptics::ServoLoop> servo_;
+  haptics::ServoReport report_;  // the physics thread's newest
+  std::vector<Vec3> pushed_;
+  Vec3 pen_before_ = Vec3::Zero();
+  bool pen_touching_ = false;
+
+  AudioTap* tap_ = nullptr;
+  VoiceBaker* baker_ = nullptr;
+  std::uint64_t ticket_ = 0;
+  std::unique_ptr<sound::LiveSound> owned_sound_;
+  std::atomic<sound::LiveSound*> sound_{nullptr};
+  std::atomic<double> gain_db_;
+  std::thread physics_;
+  std::atomic<bool> running_{false};
+  std::string message_;
+
+  Latest<Controls> controls_;
+  Latest<LiveState> state_;
+  LiveState now_;
+  std::uint64_t singles_done_ = 0, resets_done_ = 0;
+  haptics::Lateness lateness_;
+};
+
+}  // namespace intaglio::session

@@ -1,0 +1,106 @@
+// What a session leaves behind: everything that the report draws and the logs hold. SI units.
+#pragma once
+
+#include <time.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/event.h"
+#include "core/image.h"
+#include "haptics/servo.h"
+#include "scene/voices.h"
+#include "surface/surface.h"
+
+namespace intaglio::session {
+
+struct BallTrack {
+  BodyId body = 0;
+  double radius = 0;           // m
+  std::vector<Vec3> position;  // m, one a physics step, the first at time 1 / physics_rate
+};
+
+struct KeyFrame {
+  double time = 0;  // s
+  Image8 image;     // RGB, row 0 = top
+};
+
+// What one sense cost. Thread-CPU time.
+struct SenseCost {
+  std::string sense;        // "dynamics", "haptics", "sound", "picture"
+  std::string step;         // what a step is: "1/480 s step", "64-sample block", "640x360 frame"
+  double step_seconds = 0;  // simulated time a step stands for
+  std::size_t steps = 0;
+  double median_us = 0;
+  double p99_us = 0;
+  double total_s = 0;
+};
+
+struct Recording {
+  std::string title;
+  double duration = 0;                                                       // s
+  int physics_rate = 480, servo_rate = 1000, sample_rate = 44100, fps = 30;  // Hz
+  Representation representation = Representation::relief;
+  std::shared_ptr<const surface::Surface> surface;
+  std::string texture;             // as the scene names it
+  std::vector<std::string> notes;  // what import found and assumed of the texture, a line each
+
+  std::vector<std::string> warnings;  // what the scene asks of a device that it cannot do, a line each
+
+  std::vector<BallTrack> balls;
+  std::vector<haptics::ServoSample> servo;  // one a tick, the first at time 0; empty without a pen
+  BodyId pen = 0;                           // 0: no pen
+  std::vector<ContactEvent> events;         // in order of time
+  std::vector<float> stereo;                // -1..1, interleaved, at the camera
+  std::vector<float> audio;                 // the mean of both sides
+  std::vector<KeyFrame> key_frames;
+  std::vector<Voice> voices;
+
+  std::vector<SenseCost> costs;
+  double bake_s = 0;             // CPU time of the modal analysis
+  double wall_s = 0;             // of the whole run
+  double momentum_residual = 0;  // N s, dynamics::World::momentum_residual()
+  std::size_t surface_bytes = 0;
+  std::size_t peak_memory_bytes = 0;  // resident, of the process
+  std::uint64_t event_hash = 0;
+  std::uint64_t audio_hash = 0;
+};
+
+// How long steps take, in CPU time of the calling thread: immune to whatever else the machine does.
+
+// CPU time by a POSIX clock (pthread_getcpuclockid), of the calling thread, or of the whole process, in
+// nanoseconds.
+std::int64_t cpu_ns(clockid_t clock);
+std::int64_t thread_cpu_ns();
+std::int64_t process_cpu_ns();
+// Largest resident size of the process so far, bytes.
+std::size_t peak_memory_bytes();
+
+// Collects the cost of one sense's steps. Not thread-safe: one meter a thread.
+class CostMeter {
+ public:
+  // Runs step() and notes what it cost.
+  template <class Step>
+  void measure(Step&& step) {
+    const std::int64_t start = thread_cpu_ns();
+    step();
+    ns_.push_back(thread_cpu_ns() - start);
+  }
+  void add(std::int64_t ns) { ns_.push_back(ns); }
+
+  // Fills steps, median, p99 and total of `cost`.
+  SenseCost summary(SenseCost cost) const;
+
+ private:
+  std::vector<std::int64_t> ns_;
+};
+
+// Event and servo logs as CSV: one header line, SI units in the column names, every digit that tells two
+// doubles apart.
+
+std::string events_csv(const Recording& recording);
+std::string servo_csv(const Recording& recording);
+
+}  // namespace intaglio::session

@@ -1,0 +1,214 @@
+#include "sound/bake/fem/mesher.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+
+#include "core/file.h"
+#include "core/process.h"
+#include "sound/bake/fem/fill_surface.h"
+#include "sound/bake/fem/lattice.h"
+#include "sound/bake/fem/sharp_edges.h"
+
+namespace intaglio::sound {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double volume_tolerance = 0.05;  // of the body's
+constexpr double edge_of_cell = 0.65;      // an edge as long as gives as many elements as the lattice
+constexpr double flattest = 1e-9;          // volume of a tetrahedron over its longest edge cubed
+
+// A folder that goes with whatever is in it.
+struct TemporaryFolder {
+  fs::path path;
+  TemporaryFolder() {
+    std::string pattern = (fs::temp_directory_path() / "intaglio-netgen-XXXXXX").string();
+    if (mkdtemp(pattern.data())) path = pattern;
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    if (!path.empty()) fs::remove_all(path, ignored);
+  }
+};
+
+std::string request_of(const BodySurface& body, double size) {
+  std::string text =
+      fmt::format("intaglio-netgen 1\n{} {} {}\n", size, body.points.size(), body.triangles.size());
+  for (const Vec3& p : body.points) text += fmt::format("{} {} {}\n", p.x(), p.y(), p.z());
+  for (const auto& [a, b, c] : body.triangles) text += fmt::format("{} {} {}\n", a, b, c);
+  return text;
+}
+
+// Numbers one after the other; whatever is none, or is missing, is remembered as broken.
+class Numbers {
+ public:
+  explicit Numbers(std::string_view text) : text_(text) {}
+  template <class T>
+  T next() {
+    text_.remove_prefix(std::min(text_.find_first_not_of(" \n"), text_.size()));
+    T value{};
+    const auto [end, error] = std::from_chars(text_.data(), text_.data() + text_.size(), value);
+    is_broken_ |= error != std::errc{};
+    text_.remove_prefix(std::size_t(end - text_.data()));
+    return value;
+  }
+  bool is_broken() const { return is_broken_; }
+
+ private:
+  std::string_view text_;
+  bool is_broken_ = false;
+};
+
+Result<CornerMesh> parse(std::string_view text, const std::string& program) {
+  constexpr std::string_view head = "intaglio-tetrahedra 1\n";
+  const auto broken = [&] { return fail(program, "returned no mesh that can be read"); };
+  if (!text.starts_with(head)) return broken();
+  Numbers numbers(text.substr(head.size()));
+  const auto points = numbers.next<long>(), tets = numbers.next<long>();
+  // A point takes six characters at least, a tetrahedron eight.
+  if (numbers.is_broken() || points < 4 || tets < 1 || points > long(text.size()) || tets > long(text.size()))
+    return broken();
+  CornerMesh mesh;
+  for (long k = 0; k < points; ++k) {
+    Vec3 p;
+    for (int axis = 0; axis < 3; ++axis) p[axis] = numbers.next<double>();
+    if (numbers.is_broken() || !p.allFinite()) return broken();
+    mesh.points.push_back(p);
+  }
+  for (long k = 0; k < tets; ++k) {
+    std::array<int, 4> tet{};
+    for (int& corner : tet) {
+      corner = numbers.next<int>();
+      if (numbers.is_broken() || corner < 0 || corner >= points) return broken();
+    }
+    mesh.tets.push_back(tet);
+  }
+  return mesh;
+}
+
+// Every tetrahedron has volume, all together the body's, and no face belongs to three.
+bool is_sound(const CornerMesh& mesh, const BodySurface& body) {
+  double sum = 0;
+  std::map<std::array<int, 3>, int> uses;
+  for (const auto& t : mesh.tets) {
+    const auto at = [&](std::size_t k) -> const Vec3& { return mesh.points[std::size_t(t[k])]; };
+    const double v = std::abs((at(1) - at(0)).cross(at(2) - at(0)).dot(at(3) - at(0))) / 6;
+    double longest = 0;
+    for (std::size_t a = 0; a < 4; ++a) {
+      for (std::size_t b = 0; b < a; ++b) longest = std::max(longest, (at(a) - at(b)).norm());
+      std::array<int, 3> face{t[(a + 1) % 4], t[(a + 2) % 4], t[(a + 3) % 4]};
+      std::sort(face.begin(), face.end());
+      if (++uses[face] > 2) return false;
+    }
+    if (!(v > flattest * longest * longest * longest)) return false;
+    sum += v;
+  }
+  return std::abs(sum / body.volume - 1) < volume_tolerance;
+}
+
+}  // namespace
+
+fs::path find_netgen() {
+  if (const char* named = std::getenv("INTAGLIO_NETGEN"))
+    return fs::exists(named) ? fs::path(named) : fs::path();
+  std::error_code error;
+  const fs::path here = fs::read_symlink("/proc/self/exe", error).parent_path();
+  for (const fs::path& folder : {here, here.parent_path()}) {
+    if (fs::exists(folder / "intaglio-netgen", error)) return folder / "intaglio-netgen";
+  }
+  return {};
+}
+
+Result<FilledSurface> netgen_fill(const BodySurface& body, const FillOptions& options,
+                                  const NetgenOptions& netgen, const std::string& name) {
+  if (!body.is_closed() || body.thickness > 0)
+    return fail(name, "is no closed surface, which Netgen needs", "use --mesher lattice");
+  const fs::path program = netgen.program.empty() ? find_netgen() : netgen.program;
+  if (program.empty())
+    return fail(
+        name, "cannot be filled by Netgen: there is no program intaglio-netgen",
+        "install Debian's libnglib-dev (script/setup netgen) and build again, or use --mesher lattice");
+  const TemporaryFolder folder;
+  if (folder.path.empty()) return fail(name, "no temporary folder can be made");
+  const double thickness = 2 * body.volume / body.area;
+  const double smallest = std::cbrt(body.volume * 6 / options.max_elements);
+  const double size = std::max(edge_of_cell * std::min(options.element_size, thickness), smallest);
+  if (auto written = write_file(folder.path / "request", request_of(body, size)); !written)
+    return tl::unexpected(written.error());
+  const auto in_context = [&](const Error& error) {
+    return fail(name, error.message(), "use --mesher lattice, which fills any surface");
+  };
+  if (auto run = run_limited(program, {"request", "result"}, folder.path, {netgen.seconds, netgen.memory_mb});
+      !run)
+    return in_context(run.error());
+  const auto bytes = read_file(folder.path / "result");
+  if (!bytes) return in_context({program.filename().string(), "returned nothing", ""});
+  auto corners =
+      parse({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, program.filename().string());
+  if (!corners) return in_context(corners.error());
+  if (!is_sound(*corners, body))
+    return in_context({program.filename().string(), "returned tetrahedra that do not fill the body", ""});
+  if (double(corners->tets.size()) > 1.5 * options.max_elements)
+    return in_context({program.filename().string(),
+                       fmt::format("made {} elements, more than the {} allowed", corners->tets.size(),
+                                   options.max_elements),
+                       ""});
+  const auto surface = SurfaceQuery::make(body, name);
+  if (!surface) return tl::unexpected(surface.error());
+  FilledSurface filled{quadratic_mesh(std::move(corners->points), std::move(corners->tets)), size, body.notes,
+                       "netgen"};
+  fit_surface(filled.mesh, body, *surface, filled.notes);
+  return filled;
+}
+
+namespace {
+
+constexpr double along_cosine = 0.985;  // 10 degrees
+constexpr double least_skew = 0.05;     // of the bounding box's diagonal: length of such edges
+constexpr std::size_t most_triangles = 20'000;
+constexpr double most_seconds = 20;
+
+}  // namespace
+
+bool has_skew_edges(const BodySurface& body, double element_size) {
+  std::vector<SharpEdge> skew = sharp_edges_of(body);
+  const double least = least_skew * (body.high - body.low).norm();
+  if (!(length_of(skew, body) > least)) return false;
+  const Mat3 axes = flat_frame(body.points, body.triangles);
+  const auto is_along = [&](const Vec3& n) {
+    return (axes.transpose() * n).cwiseAbs().maxCoeff() > along_cosine;
+  };
+  std::erase_if(skew, [&](const SharpEdge& e) { return is_along(e.left) && is_along(e.right); });
+  const double length = length_of(skew, body);
+  return length > least && length * element_size < body.area;
+}
+
+Result<FilledSurface> fill_by(Mesher mesher, const BodySurface& body, const FillOptions& options,
+                              const NetgenOptions& netgen, const std::string& name) {
+  if (mesher == Mesher::netgen) return netgen_fill(body, options, netgen, name);
+  std::string note;
+  if (mesher == Mesher::automatic && body.is_closed() && body.thickness == 0 && body.shells == 1 &&
+      body.triangles.size() <= most_triangles && has_skew_edges(body, options.element_size)) {
+    NetgenOptions limited = netgen;
+    limited.seconds = std::min(netgen.seconds, most_seconds);
+    if (limited.program.empty() && find_netgen().empty()) {
+      note =
+          "its sharp edges run across the lattice, which keeps most of them; Netgen, which is not installed (script/setup netgen), keeps them all";
+    } else {
+      auto filled = netgen_fill(body, options, limited, name);
+      if (filled) return filled;
+      note = fmt::format("Netgen could not fill it, so the lattice did ({})", filled.error().message());
+    }
+  }
+  auto filled = fill_surface(body, options, name);
+  if (filled && !note.empty()) filled->notes.push_back(note);
+  return filled;
+}
+
+}  // namespace intaglio::sound
