@@ -1,4 +1,4 @@
-# What is installed: libraries with exported targets (find_package(Intaglio)), pkg-config files, public headers, the command, scenes; and the
+# Installs libraries with exported targets (find_package(Intaglio)), pkg-config files, public headers, the command, scenes; and the
 # packages that CPack makes of them (cpack -G DEB).
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
@@ -82,7 +82,7 @@ function(intaglio_install_package)
 endfunction()
 
 # Packages: the command (intaglio), the libraries (libintaglio1), what is built against them (libintaglio-dev), scenes (intaglio-data).
-# What the first two depend on is found by dpkg-shlibdeps.
+# dpkg-shlibdeps finds the dependencies of the first two.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME intaglio)
 set(CPACK_PACKAGE_CONTACT "The Intaglio developers <intaglio@example.org>")

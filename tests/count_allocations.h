@@ -1,5 +1,5 @@
-// Counts calls of operator new in a test program, for code that must not allocate, or not as much as a file claims. Programs that do
-// not ask keep their own operator new.
+// Counts calls of operator new in a test program, for code that must not allocate, or not as much as a file
+// claims. Programs that do not call these keep their own operator new.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// skipped(why): what a test says that cannot be tried here. ctest hides what tests say that pass, so the line
-// goes into the file that INTAGLIO_SKIPS names, too, with the test's name; script/test prints that file at
+// skipped(why): reports a test that cannot run on this machine. ctest hides the output of tests that pass, so the line
+// also goes into the file that INTAGLIO_SKIPS names, with the test's name; script/test prints that file at
 // its end. tests/app/skipped.sh is the same for scripts.
 #pragma once
 

@@ -1,6 +1,6 @@
-// A folder of its own for whoever writes files in a test: in the system's temporary folder, under a name that
-// nobody else has, gone at the end. So neither another user, a second clone nor what a killed run left is in
-// the way; tools/check_temporary_names.py holds everything else to it.
+// A folder for the files of one test: in the system's temporary folder, under a unique name, removed at the
+// end. So tests do not collide with another user, a second clone or the leftovers of a killed run.
+// tools/check_temporary_names.py makes sure that all tests use it.
 #pragma once
 
 #include <cerrno>

@@ -8,8 +8,8 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
-# A library is a folder of src/ or apps/; what it may include. No sense includes another, and what plays sound needs nothing that
-# bakes it.
+# A library is a folder of src/ or apps/; its value lists what it may include. No sense includes another, and the sound run time needs
+# nothing that bakes it.
 ALLOWED = {
     "src/core": "",
     "src/surface": "core",
@@ -31,7 +31,7 @@ ALLOWED = {
 }
 FOLDERS = sorted(ALLOWED, key=len, reverse=True)
 
-# Headers that hand out texels or decode images; only surface/ may include them.
+# Headers that expose texels or decode images; only surface/ may include them.
 TEXELS_ONLY_IN_SURFACE = re.compile(r"^surface/image/")
 
 # A third-party library may be included by these only.

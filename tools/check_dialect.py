@@ -10,6 +10,7 @@
   test      tests/*/*.cpp with a TEST_CASE is test_SUBJECT.cpp, and no other file is
   case      the name of a TEST_CASE is a sentence in the present tense, without a full stop, unique in its folder
   words     archaic words, and sentences that begin with Of, What, Who or Whose, in comments, messages and pages
+  path      a file or folder named in a page that does not exist
   columns   comments over 110 columns; Markdown over 100 (tables, code and links excepted)
   length    a source file over 600 lines
 
@@ -43,6 +44,11 @@ ARCHAIC = re.compile(
 )
 # A sentence that begins so and is no question.
 RIDDLE = re.compile(r"(?:^|(?<=[.;:!?] ))(?:Of|What|Who|Whose|Whom|Whoever|Whence)\b(?![^.]*\?)")
+# In code spans of pages: paths below the project's folders, and names of its sources.
+PATH = re.compile(
+    r"`((?:include|src|apps|tests|tools|script|bench|fuzz|examples|cmake|core|surface|mesh|contact|dynamics|haptics|sound|render|"
+    r"scene|session|report|window|app|intaglio)/[\w./-]*[\w/]|\w+\.(?:h|cpp|glsl|frag|vert))`"
+)
 STRING = re.compile(r'"((?:[^"\\\n]|\\.)*)"')
 
 
@@ -145,7 +151,7 @@ def check_test_name(name: str, text: str):
         yield 1, "test", f"{base} has no TEST_CASE: call it otherwise"
 
 
-def check_markdown(name: str, text: str):
+def check_markdown(name: str, text: str, names: set[str]):
     fenced = False
     before = ""
     for number, line in enumerate(text.splitlines(), 1):
@@ -156,8 +162,12 @@ def check_markdown(name: str, text: str):
             before = ""
             continue
         table = line.startswith("|")
-        if len(line) > 100 and not table and not re.search(r"\]\(|https?://|^\[", line):
+        if len(line) > 100 and not table and not re.search(r"\]\(|https?://|^\[|^\s*`[^`]*`\W?$", line):
             yield number, "columns", f"{len(line)} columns; at most 100"
+        for path in PATH.findall(line):
+            places = (ROOT / root / (path + suffix) for root in INCLUDE_ROOTS for suffix in ("", ".h", ".cpp"))
+            if path not in names and "SUBJECT" not in path and not any(place.exists() for place in places):
+                yield number, "path", f"{path} does not exist"
         prose = re.sub(r"`[^`]*`", "``", line).strip(" *#-")
         for problem in words(prose, begins=not table and (not before or before.endswith((".", ":", ";")))):
             yield number, "words", f"{problem}: {prose[:90]}"
@@ -171,7 +181,7 @@ def check_script(name: str, text: str):
                 yield number, "words", f"{problem}: # {match.group(1)}"
 
 
-def check(name: str, hidden: set[str], cases: dict[str, dict[str, str]]):
+def check(name: str, hidden: set[str], cases: dict[str, dict[str, str]], names: set[str]):
     path = ROOT / name
     folder = str(pathlib.PurePath(name).parent)
     if name.endswith((".h", ".cpp")) and name.startswith(CODE_FOLDERS):
@@ -181,7 +191,7 @@ def check(name: str, hidden: set[str], cases: dict[str, dict[str, str]]):
             yield from check_case_names(name, text, cases[folder])
             yield from check_test_name(name, text)
     elif name.endswith(".md") and not name.startswith(("workflow/", ".")):
-        yield from check_markdown(name, path.read_text())
+        yield from check_markdown(name, path.read_text(), names)
     elif name.endswith((".sh", ".py", ".cmake", "CMakeLists.txt", ".glsl", ".frag", ".vert")) or name.startswith(("script/", "tools/")):
         if pathlib.PurePath(name).name != pathlib.PurePath(__file__).name:
             yield from check_script(name, path.read_text())
@@ -192,12 +202,13 @@ def main(arguments: list[str]) -> int:
     folders = tuple(a.rstrip("/") for a in arguments if a != "--count")
     files = project_files()
     hidden = core_types(files)
+    names = {pathlib.PurePath(f).name for f in files}
     cases: dict[str, dict[str, str]] = collections.defaultdict(dict)
     total = collections.Counter()
     for name in files:
         if folders and not any(name == f or name.startswith(f + "/") for f in folders):
             continue
-        for number, rule, text in check(name, hidden, cases):
+        for number, rule, text in check(name, hidden, cases, names):
             if not count:
                 print(f"{name}:{number}: {rule}: {text}")
             parts = name.split("/")

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Fails on what two users, or two clones, that build and test at once would share: fixed names in the temporary folder, names made of
-what others can have too (a process's number outlives it in leftovers, rand() without a seed is the same for all), shared memory,
-displays and ports. mkdtemp, mktemp, Python's tempfile, -displayfd and port 0 are right; in C++ tests/temporary_folder.h is.
+"""Fails on names that two users or two clones that build and test at once would share: fixed names in the temporary folder, names
+that are not unique (a process id outlives its process in leftovers, rand() without a seed is the same for all), shared memory,
+displays and ports. Use mkdtemp, mktemp, Python's tempfile, -displayfd and port 0; in C++ tests/temporary_folder.h.
 Prints each finding as file:line and exits 1."""
 import pathlib
 import re
@@ -12,12 +12,12 @@ FOLDERS = ["apps", "bench", "cmake", "examples", "fuzz", "include", "src", "scri
 SUFFIXES = {".h", ".cpp", ".sh", ".py", ".cmake", ".txt", ".yaml", ""}
 NOT_TEXT = {"seeds", "golden"}
 
-WRONG = [  # what it looks like, what to write instead
+WRONG = [  # pattern, what to write instead
     (re.compile(r"""(?<![\w.}"')])/(?:var/)?tmp\b|/dev/shm\b|\bP_tmpdir\b"""), "a fixed place; ask mktemp -d, or tests/temporary_folder.h"),
-    (re.compile(r"\b(?:tmpnam|tempnam|tmpnam_r)\s*\(|\btempfile\.mktemp\b|\bmktemp\s+(?:-\w*\s+)*-\w*u"), "a name without its file is anybody's; make the file or folder with it"),
+    (re.compile(r"\b(?:tmpnam|tempnam|tmpnam_r)\s*\(|\btempfile\.mktemp\b|\bmktemp\s+(?:-\w*\s+)*-\w*u"), "a name without its file can be taken by others; create the file or folder with it"),
     (re.compile(r"\b(?:std::)?s?rand\s*\("), "the same numbers in every process; core/random.h has a seed"),
     (re.compile(r"\b(?:shm_open|sem_open|mq_open)\s*\("), "a name for the whole machine"),
-    (re.compile(r"\bgetpid\s*\("), "a process's number is no name: another process had it, and left things behind"),
+    (re.compile(r"\bgetpid\s*\("), "a process id is not unique: an earlier process had it and may have left files behind"),
     (re.compile(r"\bXvfb\s+:\d|\bxvfb-run\s+(?!.*(?:-a\b|--auto))"), "a fixed display; Xvfb -displayfd, or xvfb-run -a"),
     (re.compile(r'"\$intaglio" devices serve\b(?!.*--port)'), "a fixed port; --port 0 prints a free one"),
 ]
