@@ -16,6 +16,8 @@ struct ContactPoint {
   double distance = 0;          // gap; negative = penetration
   Vec2 uv = Vec2::Zero();
   std::uint64_t feature = 0;  // names what touches what; the same from step to step while it is the same
+  int triangle = -1;          // of a curved base, below the point; -1 on a rectangle or beside the relief
+  Vec3 weights = Vec3::Zero();  // of the triangle's corners
 };
 
 // What a query wants its caller to know: bits, more than one may be set.
