@@ -14,13 +14,13 @@
 #include "core/file.h"
 #include "core/toml.h"
 #include "report/sound_page.h"
-#include "sound/synthesizer.h"
-#include "sound/live_sound.h"
-#include "sound/model_file.h"
 #include "sound/audio/devices.h"
 #include "sound/audio/wav.h"
+#include "sound/live_sound.h"
 #include "sound/modal_model.h"
+#include "sound/model_file.h"
 #include "sound/strike.h"
+#include "sound/synthesizer.h"
 
 namespace intaglio::app {
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/vec.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::contact {
 

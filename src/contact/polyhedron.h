@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/error.h"
-#include "core/vec.h"
+#include "intaglio/error.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::contact {
 

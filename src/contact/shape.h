@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "contact/polyhedron.h"
-#include "core/vec.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::contact {
 

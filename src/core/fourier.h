@@ -4,7 +4,7 @@
 // Not for real time. One object is one length and direction; not thread-safe.
 #pragma once
 
-#include "core/eigen.h"
+#include "intaglio/vec.h"
 //
 #include <complex>
 #include <cstdint>

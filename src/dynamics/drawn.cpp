@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "contact/surface_contacts.h"
-#include "core/vec.h"
+#include "intaglio/vec.h"
 #include "surface/closest.h"
 
 namespace intaglio::dynamics {

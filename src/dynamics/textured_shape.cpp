@@ -8,6 +8,7 @@
 #include "contact/relief_relief.h"
 #include "contact/surface_contacts.h"
 #include "dynamics/bullet_shape.h"
+#include "intaglio/representation.h"
 #include "surface/fuse.h"
 
 namespace intaglio::dynamics {

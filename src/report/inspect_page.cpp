@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <fmt/format.h>
 
-#include "core/error.h"
+#include "core/text.h"
+#include "intaglio/error.h"
 #include "report/html.h"
 #include "report/svg_plot.h"
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "intaglio/representation.h"
 #include "report/agreement.h"
 #include "report/contacts.h"
 #include "report/html.h"

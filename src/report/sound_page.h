@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/error.h"
+#include "intaglio/error.h"
 #include "scene/scene.h"
 #include "session/recording.h"
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/image.h"
+#include "intaglio/image.h"
 #include "report/svg_plot.h"
 
 namespace intaglio::session {

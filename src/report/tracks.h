@@ -6,8 +6,8 @@
 
 #include <string>
 
-#include "session/recording.h"
 #include "report/svg_plot.h"
+#include "session/recording.h"
 
 namespace intaglio::session {
 

@@ -3,9 +3,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <fmt/format.h>
 
 #include "core/file.h"
 #include "core/toml.h"
+#include "intaglio/representation.h"
 #include "scene/scene_reader.h"
 
 namespace intaglio::session {

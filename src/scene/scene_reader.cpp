@@ -11,7 +11,7 @@
 #include <variant>
 
 #include "core/toml.h"
-#include "core/vec.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::session {
 

@@ -4,8 +4,11 @@
 #include <cmath>
 #include <numbers>
 #include <variant>
+#include <fmt/format.h>
 
-#include "core/error.h"
+#include "core/text.h"
+#include "intaglio/error.h"
+#include "intaglio/representation.h"
 #include "mesh/mesh_file.h"
 #include "mesh/triangle_mesh.h"
 #include "surface/import.h"

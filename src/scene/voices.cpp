@@ -11,11 +11,13 @@
 #include <mutex>
 #include <numbers>
 #include <thread>
+#include <fmt/format.h>
 
 #include "core/hash.h"
+#include "intaglio/representation.h"
+#include "sound/bake/bake.h"
 #include "sound/bake/fem/tet_mesh.h"
 #include "sound/model_file.h"
-#include "sound/bake/bake.h"
 
 namespace intaglio::session {
 

@@ -4,8 +4,11 @@
 #include <chrono>
 #include <cmath>
 #include <thread>
+#include <fmt/format.h>
 
-#include "core/vec.h"
+#include "core/clock.h"
+#include "intaglio/representation.h"
+#include "intaglio/vec.h"
 #include "session/recording.h"
 #include "session/simulation.h"
 

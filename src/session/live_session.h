@@ -13,12 +13,12 @@
 #include <thread>
 #include <vector>
 
-#include "core/event.h"
 #include "core/lock_free.h"
 #include "haptics/device.h"
 #include "haptics/pen.h"
 #include "haptics/proxy.h"
 #include "haptics/servo_loop.h"
+#include "intaglio/event.h"
 #include "scene/voices.h"
 #include "scene/world.h"
 #include "sound/audio_device.h"

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <fmt/format.h>
 
 #include "haptics/haptic_log.h"
 

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 
-#include "core/vec.h"
+#include "core/clock.h"
 #include "haptics/passivity.h"
+#include "intaglio/vec.h"
 #include "sound/synthesizer.h"
 
 namespace intaglio::session {

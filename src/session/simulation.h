@@ -9,12 +9,13 @@
 #include <memory>
 #include <vector>
 
-#include "core/event.h"
-#include "core/error.h"
+#include "core/clock.h"
 #include "core/hash.h"
-#include "session/recording.h"
-#include "scene/world.h"
+#include "intaglio/error.h"
+#include "intaglio/event.h"
 #include "scene/voices.h"
+#include "scene/world.h"
+#include "session/recording.h"
 #include "sound/synthesizer.h"
 
 namespace intaglio::session {

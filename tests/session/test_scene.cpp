@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <string>
+#include <fmt/format.h>
 
-#include "scene/surfaces.h"
 #include "scene/scene.h"
+#include "scene/surfaces.h"
 #include "tests/source_folder.h"
 
 using namespace intaglio;
