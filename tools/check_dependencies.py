@@ -33,6 +33,7 @@ ALLOWED = {
 # libraries that theirs may include, the standard library and the few in PUBLIC_LIBRARIES.
 PUBLIC = {
     "vec": "core", "error": "core", "event": "core", "representation": "core", "material": "core", "image": "core",
+    "contact_point": "contact", "shape": "contact",
 }
 PUBLIC_LIBRARIES = {"vec": ("Eigen/", "arm_neon.h"), "error": ("tl/",)}
 FOLDERS = sorted(ALLOWED, key=len, reverse=True)
