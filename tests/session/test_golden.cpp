@@ -107,7 +107,9 @@ bool have_gl() {
 // The driver that the kept pictures were drawn by; others filter textures in ways of their own.
 bool is_llvmpipe() {
   const auto context = render::EglContext::create();
-  return context && render::description_of_current().starts_with("llvmpipe");
+  if (!context) return false;
+  const render::CurrentContext scope(*context);
+  return render::description_of_current().starts_with("llvmpipe");
 }
 
 }  // namespace

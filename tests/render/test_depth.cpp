@@ -1,13 +1,13 @@
-// The depth picture means the same field as surface::Surface.
+// The depth picture shows the same field as surface::Surface.
 #include "intaglio/representation.h"
-#include "oracle.h"
-#include "scenes.h"
+#include "tests/render/oracle.h"
+#include "tests/render/scenes.h"
 
 namespace intaglio::render::test {
 
 namespace {
 
-// RMS of the depth picture against brute force, as a share of the relief's depth.
+// RMS of the depth picture against brute force, as a fraction of the relief's depth.
 DepthDifference against_oracle(const surface::Surface& surface, March march, const Camera& camera) {
   RendererOptions options = small_options();
   options.march = march;
@@ -42,7 +42,7 @@ TEST_CASE(
     const DepthDifference pyramid = against_oracle(surface, March::pyramid, camera);
     MESSAGE("camera " << camera.eye.y() << " m up: RMS over relief depth, classic " << classic.rms
                       << ", pyramid " << pyramid.rms);
-    // What the linear search misses are bricks' edges that the ray only just clips.
+    // The linear search misses bricks' edges that the ray barely clips.
     CHECK(classic.rms <= (low ? 0.10 : 0.05));
     CHECK(pyramid.rms <= 0.002);
     CHECK(classic.share_lost <= 0.001);
@@ -83,7 +83,7 @@ TEST_CASE("a camera below, beside or inside the slab sees walls, not holes") {
   }
 }
 
-TEST_CASE("a relief without depth is the plane") {
+TEST_CASE("a relief without depth has the depth of the plane") {
   if (!have_gl()) return;
   const auto zero = [](double, double) { return 0.0; };
   for (const double max_depth : {0.0, 0.02}) {

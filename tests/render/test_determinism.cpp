@@ -1,5 +1,5 @@
 // Two draws of the same scene are the same bytes.
-#include "scenes.h"
+#include "tests/render/scenes.h"
 
 namespace intaglio::render::test {
 

@@ -1,10 +1,10 @@
-// Balls and pens stand in the same depth as the relief.
-#include "oracle.h"
-#include "scenes.h"
+// Balls and pens share the relief's depth buffer.
+#include "tests/render/oracle.h"
+#include "tests/render/scenes.h"
 
 namespace intaglio::render::test {
 
-TEST_CASE("a ball half sunk in a pit is cut where it should be") {
+TEST_CASE("a ball half sunk in a pit is cut along the brink") {
   if (!have_gl()) return;
   // A round pit with steep walls; the ball sits on its floor, half below the base plane.
   const auto pit = [](double u, double v) {
@@ -39,7 +39,7 @@ TEST_CASE("a ball half sunk in a pit is cut where it should be") {
   }
 }
 
-TEST_CASE("a pen is where it is said to be, and its sunk tip is hidden") {
+TEST_CASE("a pen is drawn where its pose says, and its sunk tip is hidden") {
   if (!have_gl()) return;
   const auto surface = brick();
   RendererOptions options = small_options();

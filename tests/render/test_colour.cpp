@@ -1,4 +1,4 @@
-// Colours on the device are the picture's, and their coarser levels its mean light.
+// Colours on the GPU are the image's, and coarser levels its mean light.
 #include "render/surface_textures.h"
 
 #include <doctest/doctest.h>
@@ -24,7 +24,7 @@ std::array<double, 3> light_of(std::uint32_t texel) {
 
 }  // namespace
 
-TEST_CASE("every colour of 8 bits is told from its neighbours, and is within half a step of itself") {
+TEST_CASE("each 8-bit colour differs from its neighbours and is within half a step of itself") {
   Image8 image(256, 1, 3);
   for (int k = 0; k < 256; ++k)
     for (int c = 0; c < 3; ++c) image.at(k, 0, c) = std::uint8_t(k);
@@ -36,7 +36,7 @@ TEST_CASE("every colour of 8 bits is told from its neighbours, and is within hal
   }
 }
 
-TEST_CASE("levels halve down to one texel, and each has the light of the whole") {
+TEST_CASE("levels halve down to one texel, and each level has the mean light of the image") {
   CHECK(rc::check([] {
     Image8 image(*rc::gen::inRange(1, 40), *rc::gen::inRange(1, 40), 3);
     image.data =

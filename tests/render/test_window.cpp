@@ -1,5 +1,6 @@
-// What a window needs of the renderer: the caller's context, sizes that change, several surfaces, solids.
-#include "scenes.h"
+// Rendering for a window: the caller's context, changing sizes, several surfaces, solids.
+#include "render/mesh.h"
+#include "tests/render/scenes.h"
 
 using namespace intaglio;
 using namespace intaglio::render;
@@ -39,8 +40,8 @@ TEST_CASE("a renderer in the caller's context draws what one with its own does")
 
   auto context = EglContext::create();
   REQUIRE(context);
-  const Current current(*context);
-  options.context = Context::callers;
+  const CurrentContext scope(*context);
+  options.context = Context::current;
   auto renderer = Renderer::create(surface, options);
   REQUIRE(renderer);
   CHECK((*renderer)->draw(scene).data == expected.data);
@@ -50,7 +51,22 @@ TEST_CASE("a renderer in the caller's context draws what one with its own does")
   CHECK_FALSE((*renderer)->capture(0, 10));
 }
 
-TEST_CASE("pictures change their size; a size that cannot be leaves it as it was") {
+TEST_CASE("a renderer with a context of its own leaves the caller's current") {
+  if (!have_gl()) return;
+  auto context = EglContext::create();
+  REQUIRE(context);
+  const CurrentContext scope(*context);
+  const std::string before = description_of_current();
+  auto renderer = Renderer::create(waves(), small_options());
+  REQUIRE(renderer);
+  CHECK(description_of_current() == before);
+  (*renderer)->draw({});
+  CHECK(description_of_current() == before);
+  renderer->reset();
+  CHECK(description_of_current() == before);
+}
+
+TEST_CASE("pictures change their size; an invalid size changes nothing") {
   if (!have_gl()) return;
   auto renderer = Renderer::create(waves(), small_options());
   REQUIRE(renderer);
@@ -63,7 +79,7 @@ TEST_CASE("pictures change their size; a size that cannot be leaves it as it was
   CHECK((*renderer)->draw(scene).data == small.data);
 }
 
-TEST_CASE("several surfaces: each where it lies, and the order of those behind does not matter") {
+TEST_CASE("several surfaces are each drawn in place, in any order after the first") {
   if (!have_gl()) return;
   const surface::Surface a = waves({-0.6, 0, 0}), b = waves({0.6, 0, 0}), c = waves({0.6, 0.3, -0.9});
   auto renderer = Renderer::create(a, small_options());
@@ -80,7 +96,7 @@ TEST_CASE("several surfaces: each where it lies, and the order of those behind d
   CHECK(difference(three, (*renderer)->draw(scene)) == 0);
 }
 
-TEST_CASE("a solid ball is where a ball is, and casts its shadow") {
+TEST_CASE("a solid ball looks like a ball and casts its shadow") {
   if (!have_gl()) return;
   auto renderer = Renderer::create(waves(), small_options());
   REQUIRE(renderer);

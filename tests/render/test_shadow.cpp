@@ -1,7 +1,7 @@
-// Shadows fall where geometry says, and nowhere else.
+// Shadows fall exactly where geometry says.
 #include <numbers>
 
-#include "scenes.h"
+#include "tests/render/scenes.h"
 
 namespace intaglio::render::test {
 
@@ -81,7 +81,7 @@ TEST_CASE("a ball and a pen throw shadows on the relief, to the side away from t
   const Image8 empty = renderer->draw(scene);
   const double metres = 2 * std::tan(20 * std::numbers::pi / 180) * 1.31 / 90;
   const auto darkness_at = [&](const Image8& image, double x) {
-    const int column = static_cast<int>(80 + x / metres);
+    const int column = int(80 + x / metres);
     return double(image.at(column, 45, 0)) / empty.at(column, 45, 0);
   };
   scene.balls.push_back({.pose = {Vec3(0, 0.2, 0), Quat::Identity()}, .radius = 0.05});

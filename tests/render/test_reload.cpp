@@ -1,12 +1,12 @@
-// Shaders from a folder, while one works on them.
+// Reloading shaders from a folder.
 #include "core/file.h"
 #include "render/programs.h"
-#include "scenes.h"
+#include "tests/render/scenes.h"
 #include "tests/temporary_folder.h"
 
 namespace intaglio::render::test {
 
-TEST_CASE("a folder's shaders are drawn with; one that does not compile is named, and the picture stays") {
+TEST_CASE("a folder's shaders are used; one that does not compile is named, and the picture stays") {
   if (!have_gl()) return;
   const tests::TemporaryFolder temporary;
   const auto& folder = temporary.path;

@@ -2,8 +2,8 @@
 #include "render/mesh.h"
 
 #include "mesh/triangle_mesh.h"
-#include "oracle.h"
-#include "scenes.h"
+#include "tests/render/oracle.h"
+#include "tests/render/scenes.h"
 
 namespace intaglio::render::test {
 
@@ -29,7 +29,7 @@ RendererOptions middling() {
 
 TEST_CASE("the layer of a mesh has the volume between its two faces, without gaps") {
   const double radius = 0.5, depth = 0.05, pi = std::numbers::pi;
-  const auto shell = make_shell(surface::make_sphere(radius, 96, 48), depth, {1, 1});
+  const auto shell = shell_tetrahedra(surface::make_sphere(radius, 96, 48), depth, {1, 1});
   REQUIRE(shell);
   double volume = 0;
   for (const Tetrahedron& t : *shell) {
@@ -48,15 +48,15 @@ TEST_CASE("the layer of a mesh has the volume between its two faces, without gap
 TEST_CASE("a triangle over the edge of a repeated texture is refused, with its number") {
   surface::TriangleMesh base = surface::make_quad(surface::Placement(Vec3::Zero(), Quat::Identity(), 1, 1));
   for (Vec2& uv : base.uvs) uv = 1.5 * uv;
-  const auto shell = make_shell(base, 0.1, {1, 1}, "floor");
+  const auto shell = shell_tetrahedra(base, 0.1, {1, 1}, "floor");
   REQUIRE_FALSE(shell);
   CHECK(shell.error().message().find("triangle 0") != std::string::npos);
   for (Vec2& uv : base.uvs) uv = uv / 1.5 + Vec2(3, -2);
-  CHECK(make_shell(base, 0.1, {1, 1}));
-  CHECK_FALSE(make_shell({}, 0.1, {1, 1}));
+  CHECK(shell_tetrahedra(base, 0.1, {1, 1}));
+  CHECK_FALSE(shell_tetrahedra({}, 0.1, {1, 1}));
 }
 
-TEST_CASE("on a flat base relief is where the slab has it, and looks alike") {
+TEST_CASE("relief on a flat base has the slab's depth and colours") {
   if (!have_gl()) return;
   const auto surface = brick();
   const auto slab = make_renderer(surface, middling());
@@ -80,7 +80,7 @@ TEST_CASE("on a flat base relief is where the slab has it, and looks alike") {
   }
 }
 
-TEST_CASE("a sphere of even depth is the smaller sphere, its outline too") {
+TEST_CASE("a sphere of uniform depth is the smaller sphere, also in outline") {
   if (!have_gl()) return;
   const double radius = 0.3, deep = 0.03;
   const auto surface = make_surface(

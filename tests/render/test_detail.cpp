@@ -1,9 +1,9 @@
-// Relief whose texels are smaller than a sample is met by its means: nearer to what many samples see, and the
-// same as ever where texels are larger.
+// Relief with texels smaller than a sample is filtered: closer to the mean of many samples, and unchanged
+// where texels are larger.
 #include <rapidcheck.h>
 
 #include "render/surface_textures.h"
-#include "scenes.h"
+#include "tests/render/scenes.h"
 
 namespace intaglio::render::test {
 
@@ -63,7 +63,7 @@ double rms(const std::vector<float>& a, const std::vector<float>& b) {
 
 }  // namespace
 
-TEST_CASE("far relief is nearer to the mean of many samples than the texels in their middle are") {
+TEST_CASE("filtered far relief is closer to the mean of many samples than single texels are") {
   if (!have_gl()) return;
   const auto surface = fine_bricks();
   const FrameScene scene = from_afar();
@@ -93,7 +93,7 @@ TEST_CASE("where texels are larger than samples, the picture and the depth are t
   CHECK(fine->depth() == mean->depth());
 }
 
-TEST_CASE("coarser heights keep a slope, and the pyramid bounds every field that may be met") {
+TEST_CASE("coarser heights keep a slope, and the pyramid bounds every traced field") {
   CHECK(rc::check([] {
     const int size = *rc::gen::inRange(1, 70);
     const auto values =
@@ -107,16 +107,16 @@ TEST_CASE("coarser heights keep a slope, and the pyramid bounds every field that
         },
         Quat::Identity(), edge);
     const HeightLevels heights = make_height_levels(surface);
-    const HeightPyramid bounds = bounds_of(heights, size + 2, size + 2);
+    const HeightPyramid bounds = height_bounds(heights, size + 2, size + 2);
     const int cells = size + 1;
-    for (int k = 0; k <= std::min(HeightLevels::coarsest, int(bounds.levels.size()) - 2); ++k) {
+    for (int k = 0; k <= std::min(HeightLevels::coarsest_traced, int(bounds.levels.size()) - 2); ++k) {
       const auto& field = heights.levels[std::size_t(k)];
       for (int above = k; above < int(bounds.levels.size()); ++above) {
         const auto& level = bounds.levels[std::size_t(above)];
         for (int j = 0; j << k < cells; ++j) {
           for (int i = 0; i << k < cells; ++i) {
             const int shift = above - k;
-            const float top = level.highest[std::size_t((j >> shift) * level.width + (i >> shift))];
+            const float top = level.at(i >> shift, j >> shift);
             RC_ASSERT(std::max({field.at(i, j), field.at(i + 1, j), field.at(i, j + 1),
                                 field.at(i + 1, j + 1)}) <= top);
           }

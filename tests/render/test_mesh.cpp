@@ -1,8 +1,8 @@
 // The traced relief beside the same texture as a displaced mesh.
 #include "intaglio/representation.h"
-#include "oracle.h"
 #include "render/mesh.h"
-#include "scenes.h"
+#include "tests/render/oracle.h"
+#include "tests/render/scenes.h"
 
 namespace intaglio::render::test {
 
@@ -14,7 +14,7 @@ Vec3 vec(const std::array<float, 3>& a) {
 
 }  // namespace
 
-TEST_CASE("a slab's mesh is closed and holds what the relief leaves of the slab") {
+TEST_CASE("a slab's mesh is closed and has the volume that the relief leaves of the slab") {
   const double deep = 0.1, slab = 0.3;
   const auto surface = make_surface(32, 1.0, deep, [](double u, double v) { return 0.5 * u + 0.3 * v; });
   const Mesh mesh = slab_mesh(surface, 64, slab);
@@ -35,14 +35,14 @@ TEST_CASE("a slab's mesh is closed and holds what the relief leaves of the slab"
   CHECK(volume == doctest::Approx(slab - mean).epsilon(1e-3));
 }
 
-TEST_CASE("traced relief is where a mesh of 1024 x 1024 squares is, and covers what it covers") {
+TEST_CASE("traced relief matches a mesh of 1024 x 1024 squares in depth and coverage") {
   if (!have_gl()) return;
   const auto surface = brick();
   RendererOptions options = small_options();
   options.width = 320;
   options.height = 180;
   const auto traced = make_renderer(surface, options);
-  options.mesh_cells = 1024;
+  options.displaced_mesh_cells = 1024;
   const auto meshed = make_renderer(surface, options);
   CHECK(meshed->device_bytes().meshes > 20 * meshed->device_bytes().textures);
   FrameScene scene = target_scene();
@@ -70,12 +70,12 @@ TEST_CASE("traced relief is where a mesh of 1024 x 1024 squares is, and covers w
   }
 }
 
-TEST_CASE("a mesh is drawn for relief only, in the colours of what is traced") {
+TEST_CASE("a mesh is drawn for relief only, in the colours of traced relief") {
   if (!have_gl()) return;
   const auto surface = brick();
   RendererOptions options = small_options();
   const auto traced = make_renderer(surface, options);
-  options.mesh_cells = 256;
+  options.displaced_mesh_cells = 256;
   const auto meshed = make_renderer(surface, options);
   FrameScene scene = target_scene();
   const auto difference = [&] {

@@ -1,7 +1,7 @@
-// What differs along v alone shows at the right end of the picture, and so along u: textures loaded upside
-// down look plausible, but not here.
+// A difference along v alone shows at the correct end of the picture, and so along u: a texture loaded upside
+// down looks plausible, but fails here.
 #include "intaglio/representation.h"
-#include "scenes.h"
+#include "tests/render/scenes.h"
 
 namespace intaglio::render::test {
 

@@ -1,11 +1,11 @@
-// The picture depends on how things lie to each other, not on where the world's axes point.
+// The picture depends on relative poses only, not on the world's axes.
 #include <random>
 
-#include "scenes.h"
+#include "tests/render/scenes.h"
 
 namespace intaglio::render::test {
 
-TEST_CASE("turning the patch, the camera, the light and the bodies together leaves the picture as it is") {
+TEST_CASE("turning the patch, the camera, the light and the bodies together does not change the picture") {
   if (!have_gl()) return;
   FrameScene scene = target_scene();
   scene.balls.push_back({.pose = {Vec3(0.06, 0.03, 0.1), Quat::Identity()}});

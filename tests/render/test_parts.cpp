@@ -1,4 +1,4 @@
-// Meshes, the height pyramid and the errors at the edge.
+// Meshes, the height pyramid, invalid options and threads.
 #include <rapidcheck.h>
 
 #include <numbers>
@@ -6,7 +6,7 @@
 
 #include "render/mesh.h"
 #include "render/surface_textures.h"
-#include "scenes.h"
+#include "tests/render/scenes.h"
 
 namespace intaglio::render::test {
 
@@ -41,7 +41,8 @@ TEST_CASE("meshes are closed, face outward and have the volume of their solid") 
   CHECK(check_outward(unit_sphere()) == doctest::Approx(4 * pi / 3).epsilon(5e-3));
   const double r = 0.01;
   const double cone = pen_tip_radii * r;
-  CHECK(check_outward(pen(0.2, r)) == doctest::Approx(pi * r * r * (0.2 - cone + cone / 3)).epsilon(5e-3));
+  CHECK(check_outward(pen_mesh(0.2, r)) ==
+        doctest::Approx(pi * r * r * (0.2 - cone + cone / 3)).epsilon(5e-3));
 }
 
 TEST_CASE("the height pyramid bounds its cells, tightly, and halves exactly") {
@@ -51,11 +52,11 @@ TEST_CASE("the height pyramid bounds its cells, tightly, and halves exactly") {
     const auto z = *rc::gen::container<std::vector<float>>(
         std::size_t(width * height),
         rc::gen::map(rc::gen::inRange(-999, 1), [](int k) { return float(k) / 1000; }));
-    const HeightPyramid pyramid = make_height_pyramid(z, width, height);
+    const HeightPyramid pyramid = make_height_pyramid({width, height, z});
     for (std::size_t k = 0; k < pyramid.levels.size(); ++k) {
       const auto& level = pyramid.levels[k];
       RC_ASSERT(level.width << k == pyramid.levels[0].width && level.height << k == pyramid.levels[0].height);
-      std::vector<float> expected(level.highest.size(), -1e9f);
+      std::vector<float> expected(level.z.size(), -1e9f);
       for (int j = 0; j + 1 < height; ++j) {
         for (int i = 0; i + 1 < width; ++i) {
           float& top = expected[std::size_t((j >> k) * level.width + (i >> k))];
@@ -65,12 +66,12 @@ TEST_CASE("the height pyramid bounds its cells, tightly, and halves exactly") {
           }
         }
       }
-      RC_ASSERT(level.highest == expected);
+      RC_ASSERT(level.z == expected);
     }
   }));
 }
 
-TEST_CASE("options that cannot work are refused, saying what would") {
+TEST_CASE("invalid options are refused with the valid range") {
   if (!have_gl()) return;
   const auto surface = brick();
   const auto refused = [&](auto change, const char* word) {
