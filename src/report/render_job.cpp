@@ -158,8 +158,6 @@ Result<Recording> render(const Scene& scene, const RenderJob& job) {
   if (const auto ffmpeg = find_ffmpeg(); !ffmpeg) return tl::unexpected(ffmpeg.error());
   if (auto named = check_named(job.output, ".mp4", "an MP4"); !named) return tl::unexpected(named.error());
   if (auto writable = outputs.check(); !writable) return tl::unexpected(writable.error());
-  const std::string gl_threads = std::to_string(job.threads > 1 ? job.threads : 0);
-  setenv("LP_NUM_THREADS", gl_threads.c_str(), 0);  // llvmpipe's own pool; the user's setting wins
 
   const auto surface = make_surface(scene);
   if (!surface) return tl::unexpected(surface.error());

@@ -1,40 +1,42 @@
-#include "window/hands.h"
+#include "window/input.h"
 
 #include <SDL2/SDL.h>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "scene/world.h"
 #include "window/view_camera.h"
 
 namespace intaglio::window {
 
-void Hands::take(const SDL_Event& event, bool captured, Settings& settings, Wishes& wishes) {
+void InputController::handle_event(const SDL_Event& event, bool captured, Settings& settings,
+                                   InputCommands& commands) {
   switch (event.type) {
     case SDL_QUIT:
-      wishes.quit = true;
+      commands.quit = true;
       return;
     case SDL_DROPFILE:
-      wishes.dropped.emplace_back(event.drop.file);
+      commands.dropped_files.emplace_back(event.drop.file);
       SDL_free(event.drop.file);
       return;
     case SDL_MOUSEMOTION:
-      move({static_cast<double>(event.motion.x), static_cast<double>(event.motion.y)});
+      move({double(event.motion.x), double(event.motion.y)});
       return;
     case SDL_MOUSEBUTTONDOWN:
-      mouse_ = {static_cast<double>(event.button.x), static_cast<double>(event.button.y)};
+      mouse_ = {double(event.button.x), double(event.button.y)};
       if (!captured) press(event.button.button, settings);
       return;
     case SDL_MOUSEBUTTONUP:
-      motion_ = Motion::none;
-      wants_body_ = false;
+      drag_mode_ = DragMode::none;
+      pick_pending_ = false;
       dragging_.reset();
       return;
     case SDL_MOUSEWHEEL:
       if (captured) return;
-      if (motion_ == Motion::press) {
-        press_ = std::clamp(press_ * std::pow(1.15, event.wheel.y), 0.05, 10.0);
+      if (drag_mode_ == DragMode::press_pen) {
+        press_depth_ = std::clamp(press_depth_ * std::pow(1.15, event.wheel.y), 0.05, 10.0);
       } else {
         camera_.zoom(event.wheel.y);
       }
@@ -42,56 +44,57 @@ void Hands::take(const SDL_Event& event, bool captured, Settings& settings, Wish
     case SDL_KEYDOWN:
     case SDL_KEYUP:
       if (!captured || event.type == SDL_KEYUP)
-        key(event.key.keysym.scancode, event.type == SDL_KEYDOWN, event.key.repeat != 0, settings, wishes);
+        key(event.key.keysym.scancode, event.type == SDL_KEYDOWN, event.key.repeat != 0, settings, commands);
       return;
     default:
       return;
   }
 }
 
-void Hands::press(int button, const Settings& settings) {
+void InputController::press(int button, const Settings& settings) {
   if (button == SDL_BUTTON_RIGHT) {
-    motion_ = Motion::look;
+    drag_mode_ = DragMode::look;
   } else if (button == SDL_BUTTON_MIDDLE) {
-    motion_ = Motion::pan;
+    drag_mode_ = DragMode::pan;
   } else if (settings.pen) {
-    motion_ = Motion::press;
+    drag_mode_ = DragMode::press_pen;
   } else {
-    motion_ = Motion::orbit;
-    wants_body_ = true;
+    drag_mode_ = DragMode::orbit;
+    pick_pending_ = true;
   }
 }
 
-void Hands::move(const Vec2& to) {
+void InputController::move(const Vec2& to) {
   const Vec2 step = (to - mouse_) / window_.y();
   mouse_ = to;
-  if (dragging_ || wants_body_) return;
-  if (motion_ == Motion::orbit) camera_.orbit(step.x(), step.y());
-  if (motion_ == Motion::look) camera_.look(step.x(), step.y());
-  if (motion_ == Motion::pan) camera_.pan(step.x(), step.y());
+  if (dragging_ || pick_pending_) return;
+  if (drag_mode_ == DragMode::orbit) camera_.orbit(step.x(), step.y());
+  if (drag_mode_ == DragMode::look) camera_.look(step.x(), step.y());
+  if (drag_mode_ == DragMode::pan) camera_.pan(step.x(), step.y());
 }
 
-void Hands::key(int scancode, bool down, bool repeated, Settings& settings, Wishes& wishes) {
-  const double flies = down ? 1 : 0;
+void InputController::key(int scancode, bool down, bool repeated, Settings& settings,
+                          InputCommands& commands) {
+  const double amount = down ? 1 : 0;
   const auto flipper = [&](unsigned bit) { keys_ = down ? keys_ | bit : keys_ & ~bit; };
   switch (scancode) {
     case SDL_SCANCODE_D:
-      flying_.x() = flies;
+      flying_.x() = amount;
       return;
     case SDL_SCANCODE_A:
-      flying_.x() = -flies;
+      flying_.x() = -amount;
       return;
     case SDL_SCANCODE_E:
-      flying_.y() = flies;
+      flying_.y() = amount;
       return;
     case SDL_SCANCODE_Q:
-      flying_.y() = -flies;
+      flying_.y() = -amount;
       return;
     case SDL_SCANCODE_W:
-      flying_.z() = flies;
+      flying_.z() = amount;
       return;
     case SDL_SCANCODE_S:
-      flying_.z() = -flies;
+      flying_.z() = -amount;
       return;
     case SDL_SCANCODE_LEFT:
     case SDL_SCANCODE_Z:
@@ -105,7 +108,7 @@ void Hands::key(int scancode, bool down, bool repeated, Settings& settings, Wish
       break;
   }
   if (!down) return;
-  if (scancode == SDL_SCANCODE_N) single();  // goes on while it is held
+  if (scancode == SDL_SCANCODE_N) single();  // repeats while held
   if (repeated) return;
   switch (scancode) {
     case SDL_SCANCODE_SPACE:
@@ -139,91 +142,105 @@ void Hands::key(int scancode, bool down, bool repeated, Settings& settings, Wish
       settings.representation = 2;
       return;
     case SDL_SCANCODE_F9:
-      wishes.record = true;
+      commands.record = true;
       return;
     case SDL_SCANCODE_F12:
-      wishes.screenshot = true;
+      commands.screenshot = true;
       return;
     case SDL_SCANCODE_ESCAPE:
-      wishes.quit = true;
+      commands.quit = true;
       return;
     default:
       return;
   }
 }
 
-void Hands::follow(double seconds, const Settings& settings, session::LiveSession& session, double aspect) {
+void InputController::update(double seconds, const Settings& settings, session::LiveSession& session,
+                             double aspect) {
   const Vec3 sticks(stick_left_.x(), 0, -stick_left_.y());
   if (const Vec3 fly = flying_ + sticks; fly.norm() > 0.01) camera_.fly(0.8 * seconds * fly);
   if (stick_right_.norm() > 0.01)
     camera_.orbit(-0.5 * seconds * stick_right_.x(), 0.5 * seconds * stick_right_.y());
   const Projection projection(camera_.camera(), aspect);
   drag(session, projection);
-  if (settings.pen) lead_pen(session, projection);
+  if (settings.pen) move_pen(session, projection);
   controls_.paused = settings.paused;
   controls_.speed = std::clamp(settings.speed, 0.01, 1.0);
   controls_.keys = keys_ | shoulders_;
   session.control(controls_);
 }
 
-// The body under the mouse is pulled in the plane that faces the camera and went through it when it was
-// taken.
-void Hands::drag(session::LiveSession& session, const Projection& projection) {
+// Drags the body in the camera-facing plane through the grab point.
+void InputController::drag(session::LiveSession& session, const Projection& projection) {
   const session::LiveState& state = session.state();
-  const Vec3 ray = projection.ray(place());
-  if (std::exchange(wants_body_, false)) {
+  const Vec3 ray = projection.ray(mouse_position());
+  if (std::exchange(pick_pending_, false)) {
     const auto picked = pick_body(session.scene(), {state.pose.data(), state.bodies}, projection.eye, ray);
     const auto floor = pick_floor(*session.surface().surface, false, projection.eye, ray);
     const bool hidden = picked && floor && (*floor - projection.eye).norm() < picked->distance - 0.05;
     if (picked && !hidden && session.is_free(picked->body)) {
       dragging_ = {picked->body, state.pose[picked->body - 1].to_local(picked->point),
-                   picked->distance * ray.dot(projection.ahead)};
-      ++taken_;
+                   picked->distance * ray.dot(projection.forward)};
+      ++dragged_count_;
     }
   }
   controls_.dragged = dragging_ ? dragging_->body : floor_body;
   if (!dragging_) return;
   controls_.grip = dragging_->grip;
-  controls_.pull_to = projection.eye + ray * (dragging_->distance / ray.dot(projection.ahead));
+  controls_.pull_to = projection.eye + ray * (dragging_->distance / ray.dot(projection.forward));
 }
 
-// Over the floor the pen hovers; with the button held it is pressed into it.
-void Hands::lead_pen(session::LiveSession& session, const Projection& projection) {
-  const surface::Surface* touched = session.surface().surface.get();
-  const bool has_relief = motion_ != Motion::press;
-  auto at = pick_floor(*touched, has_relief, projection.eye, projection.ray(place()));
-  // The nearest surface whose rectangle is met.
-  const auto covers = [](const surface::Surface& s, const Vec3& p) {
-    return s.placement().covers(s.placement().to_local(p));
+namespace {
+
+// Where a ray meets a textured surface.
+struct SurfacePoint {
+  const surface::Surface* surface;
+  Vec3 point, normal;
+  bool is_curved;
+};
+
+// The nearest of the floor, flat grounds and curved grounds along the ray; with `use_relief` flat ones by
+// their relief, else by their plane. The floor's plane goes on beyond its rectangle if there are no grounds.
+std::optional<SurfacePoint> nearest_surface(const session::SceneSurface& scene, bool use_relief,
+                                            const Vec3& eye, const Vec3& ray) {
+  std::optional<SurfacePoint> nearest;
+  const auto offer = [&](const SurfacePoint& found) {
+    if (!nearest || (found.point - eye).norm() <= (nearest->point - eye).norm()) nearest = found;
   };
-  if (at && !covers(*touched, *at) && !session.surface().grounds.empty()) at.reset();
-  std::optional<PickedBase> curved;
-  for (const session::SceneSurface& ground : session.surface().grounds) {
-    if (ground.curved) {
-      const auto there = pick_base(ground.curved->base().mesh(), projection.eye, projection.ray(place()));
-      if (!there || (at && (*at - projection.eye).norm() < (there->point - projection.eye).norm())) continue;
-      at = there->point;
-      curved = there;
-      touched = ground.surface.get();
-      continue;
+  const auto offer_flat = [&](const surface::Surface& surface, bool may_lie_beside) {
+    const auto point = pick_floor(surface, use_relief, eye, ray);
+    const surface::Placement& place = surface.placement();
+    if (point && (may_lie_beside || place.covers(place.to_local(*point))))
+      offer({&surface, *point, place.n(), false});
+  };
+  offer_flat(*scene.surface, scene.grounds.empty());
+  for (const session::SceneSurface& ground : scene.grounds) {
+    if (!ground.curved) {
+      offer_flat(*ground.surface, false);
+    } else if (const auto found = pick_base(ground.curved->base().mesh(), eye, ray)) {
+      offer({ground.surface.get(), found->point, found->normal, true});
     }
-    const auto there = pick_floor(*ground.surface, has_relief, projection.eye, projection.ray(place()));
-    if (!there || !covers(*ground.surface, *there)) continue;
-    if (at && (*at - projection.eye).norm() < (*there - projection.eye).norm()) continue;
-    at = there;
-    curved.reset();
-    touched = ground.surface.get();
   }
+  return nearest;
+}
+
+}  // namespace
+
+// The pen hovers over the surface under the mouse; with the button held it is pressed in, past the relief
+// there.
+void InputController::move_pen(session::LiveSession& session, const Projection& projection) {
+  const bool presses = drag_mode_ == DragMode::press_pen;
+  const auto at =
+      nearest_surface(session.surface(), !presses, projection.eye, projection.ray(mouse_position()));
   if (!at) return;
-  const surface::Surface& floor = *touched;
-  const surface::Placement& placement = floor.placement();
-  const double side = std::max(placement.size_u(), placement.size_v());
-  const Vec3 normal = curved ? curved->normal : placement.n();
-  if (motion_ != Motion::press) return session.lead_pen(*at + 0.02 * side * normal);
-  if (curved) return session.lead_pen(*at - (floor.max_depth() + 0.01 * press_ * side) * normal);
-  const Vec3 local = placement.to_local(*at);
-  const double depth = placement.covers(local) ? floor.depth(placement.uv(local)) : 0;
-  session.lead_pen(*at - (depth + 0.01 * press_ * side) * placement.n());
+  const surface::Placement& place = at->surface->placement();
+  const double side = std::max(place.size_u(), place.size_v());
+  if (!presses) return session.lead_pen(at->point + 0.02 * side * at->normal);
+  const Vec3 local = place.to_local(at->point);
+  const double depth = at->is_curved         ? at->surface->max_depth()
+                       : place.covers(local) ? at->surface->depth(place.uv(local))
+                                             : 0;
+  session.lead_pen(at->point - (depth + 0.01 * press_depth_ * side) * at->normal);
 }
 
 Gamepad::~Gamepad() {
@@ -231,7 +248,7 @@ Gamepad::~Gamepad() {
     SDL_GameControllerClose(controller_);
 }
 
-void Gamepad::take(const SDL_Event& event) {
+void Gamepad::handle_event(const SDL_Event& event) {
   if (event.type == SDL_CONTROLLERDEVICEADDED && controller_ == nullptr)
     controller_ = SDL_GameControllerOpen(event.cdevice.which);
   if (event.type == SDL_CONTROLLERDEVICEREMOVED && controller_ != nullptr &&
@@ -271,26 +288,25 @@ unsigned Gamepad::shoulders() const {
          (pressed(SDL_CONTROLLER_BUTTON_RIGHTSHOULDER) ? session::right_key : 0);
 }
 
-Rumble rumble_of(const session::LiveState& state, std::uint64_t since) {
+Rumble contact_rumble(const session::LiveState& state, std::uint64_t since) {
   Rumble rumble;
   const std::uint64_t oldest = state.marks > session::most_marks ? state.marks - session::most_marks : 0;
   for (std::uint64_t k = std::max(since, oldest); k < state.marks; ++k) {
     const session::ContactMark& mark = state.mark[k % session::most_marks];
-    // 1 mN s is just felt, 1 N s shakes with all there is.
     const double size = mark.impulse.norm();
     const double strength = std::clamp(1 + std::log10(std::max(size, 1e-9)) / 3, 0.0, 1.0);
-    double& felt = mark.begins ? rumble.blow : rumble.slide;
-    felt = std::max(felt, mark.begins ? strength : 0.5 * strength);
+    double& motor = mark.begins ? rumble.impact : rumble.slide;
+    motor = std::max(motor, mark.begins ? strength : 0.5 * strength);
   }
   return rumble;
 }
 
-void Gamepad::feel(const session::LiveState& state) {
-  const Rumble rumble = rumble_of(state, felt_);
-  felt_ = state.marks;
-  if (controller_ == nullptr || (rumble.blow <= 0 && rumble.slide <= 0)) return;
-  const auto motor = [](double x) { return static_cast<Uint16>(65535 * std::clamp(x, 0.0, 1.0)); };
-  SDL_GameControllerRumble(controller_, motor(rumble.blow), motor(rumble.slide), 60);
+void Gamepad::rumble(const session::LiveState& state) {
+  const Rumble rumble = contact_rumble(state, rumbled_marks_);
+  rumbled_marks_ = state.marks;
+  if (controller_ == nullptr || (rumble.impact <= 0 && rumble.slide <= 0)) return;
+  const auto motor = [](double x) { return Uint16(65535 * std::clamp(x, 0.0, 1.0)); };
+  SDL_GameControllerRumble(controller_, motor(rumble.impact), motor(rumble.slide), 60);
 }
 
 }  // namespace intaglio::window
