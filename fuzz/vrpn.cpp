@@ -1,5 +1,5 @@
-// Any bytes as what a VRPN peer sends: cookie, then frames, and as a datagram. What is believed is within its
-// limits and encodes to the bytes it came from; a plane that is believed gives a finite force.
+// Any bytes as a VRPN peer's stream (cookie, then frames) and as a datagram. Accepted messages are within
+// their limits and encode to the bytes they came from; an accepted plane gives a finite force.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
@@ -12,15 +12,17 @@
 using namespace intaglio;
 using namespace intaglio::haptics::vrpn;
 
-static void require(bool holds) {
+namespace {
+
+void require(bool holds) {
   if (!holds) std::abort();
 }
 
-static bool same(View a, View b) {
+bool same(View a, View b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end());
 }
 
-static void learn(const Message& message, PeerNames& names) {
+void learn(const Message& message, PeerNames& names) {
   const auto name = decode_name(message.payload);
   if (!name) return;
   require(!name->empty() && name->size() < name_limit);
@@ -28,7 +30,7 @@ static void learn(const Message& message, PeerNames& names) {
   if (message.type == type_description) names.learn_type(message.sender, *name);
 }
 
-static void feel(Type type, View payload) {
+void check_force(Type type, View payload) {
   AskedForce asked({1000, 1000});
   if (type == Type::plane)
     if (const auto plane = decode_plane(payload)) asked.set(*plane);
@@ -39,7 +41,7 @@ static void feel(Type type, View payload) {
   if (const auto contact = asked.contact(x)) require(contact->allFinite());
 }
 
-static void examine(const Message& message, PeerNames& names) {
+void examine(const Message& message, PeerNames& names) {
   require(message.payload.size() <= message_limit - header_size);
   if (message.type < 0) {
     learn(message, names);
@@ -51,7 +53,7 @@ static void examine(const Message& message, PeerNames& names) {
   names.sender(message.sender);
   const auto type = names.type(message.type);
   // Known by name, or by number: the fuzzer need not find a description first.
-  const Type taken = type.value_or(static_cast<Type>(message.type % static_cast<int>(type_names.size())));
+  const Type taken = type.value_or(static_cast<Type>(message.type % int(type_names.size())));
   const auto again = reencode(taken, message.payload);
   // The bytes after a sensor, and after a text's end, have no meaning.
   const bool loose = taken == Type::pos_quat || taken == Type::velocity || taken == Type::acceleration;
@@ -59,13 +61,13 @@ static void examine(const Message& message, PeerNames& names) {
     require(again->size() == message.payload.size());
     if (!loose) require(same(*again, message.payload));
   }
-  feel(taken, message.payload);
+  check_force(taken, message.payload);
 }
 
-static void examine_stream(View bytes) {
+void examine_stream(View bytes) {
   Framer framer;
   PeerNames names;
-  // As the network cuts it: in pieces of uneven size.
+  // In pieces of uneven size, as the network cuts it.
   for (std::size_t at = 0, piece = 1; at < bytes.size(); piece = piece * 7 % 1459 + 1) {
     const View cut = bytes.subspan(at, std::min(piece, bytes.size() - at));
     framer.feed(cut);
@@ -74,6 +76,8 @@ static void examine_stream(View bytes) {
     require(framer.waiting() < message_limit + 1459);
   }
 }
+
+}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const View bytes(data, size);
