@@ -124,7 +124,7 @@ void view_panel(Settings& settings, PanelActions& actions) {
   ImGui::SameLine();
   ImGui::Checkbox("scope", &settings.overlay_scope);
   slider("minimum frames/s", settings.min_frame_rate, 5, 60, "%.0f");
-  ImGui::SliderInt("samples per pixel side", &settings.samples, 1, 3);
+  ImGui::SliderInt("supersampling", &settings.samples, 1, 3);
   actions.home = ImGui::Button("Camera home (H)");
   ImGui::SameLine();
   actions.screenshot = ImGui::Button("Screenshot (F12)");
@@ -141,7 +141,7 @@ void timing_panel(session::LiveSession& session, const PanelData& data, const se
   wrapped_text(
       fmt::format("dynamics  {} per step, {} skipped", microseconds(state.step_seconds), state.late));
   const haptics::ServoLoop& servo = session.servo();
-  wrapped_text(fmt::format("touch     {}, wake-up latency {} (p99)",
+  wrapped_text(fmt::format("touch     {}, wake-up {} (p99)",
                            microseconds(servo.compute().quantile(0.5)),
                            microseconds(servo.wake_up().quantile(0.99))));
   if (session.has_sound()) {
