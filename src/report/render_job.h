@@ -1,4 +1,6 @@
 // `intaglio render`: a scene into a video with sound, its logs and its report, offline and deterministic.
+// A software driver draws with threads of its own, whatever `threads` says: LP_NUM_THREADS sets llvmpipe's, and is
+// read when the process makes its first context.
 #pragma once
 
 #include <atomic>
@@ -11,9 +13,9 @@ namespace intaglio::session {
 
 struct RenderJob {
   std::filesystem::path output;  // .mp4; beside it go .wav, .html, .events.csv and .servo.csv
-  int threads = 2;               // 2: pictures are drawn and encoded while the senses go on
+  int threads = 2;               // 2: pictures are drawn and encoded in parallel with the simulation
   bool quiet = false;
-  const std::atomic<bool>* interrupted = nullptr;  // set from outside to stop early; nothing is left behind
+  const std::atomic<bool>* interrupted = nullptr;  // set from outside to stop early and leave no file
 };
 
 // Leaves all files or, on an error, none of them.
