@@ -234,6 +234,44 @@ int run(const BakeArguments& options, const Common& common) {
   return 0;
 }
 
+// Options of the mesh and of the analysis.
+void add_model_options(CLI::App& verb, BakeArguments& options) {
+  verb.add_option("--modes", options.modes, "Maximum number of modes")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  verb.add_option("--max-frequency", options.max_frequency, "Hz; modes above are dropped")
+      ->check(CLI::Range(100.0, 1e6))
+      ->capture_default_str();
+  verb.add_option("--elements", options.elements, "Approximate upper limit on tetrahedra")
+      ->check(CLI::Range(100, 1'000'000))
+      ->capture_default_str();
+  verb.add_option("--element-size", options.element_size,
+                  "Element size, metres; default: 1/4 of the shortest wavelength (1/5 for thin bodies)")
+      ->check(CLI::Range(1e-5, 10.0));
+  verb.add_option("--nodes", options.nodes, "Nodes per element: 10 (quadratic) or 4 (linear; pitch too high)")
+      ->check(CLI::IsMember({4, 10}))
+      ->capture_default_str();
+  verb.add_option("--thickness", options.thickness,
+                  "Shell thickness, metres: the mesh is the middle surface of a shell, open or closed")
+      ->check(CLI::Range(1e-5, 10.0));
+  verb.add_option("--shell", options.shell, "Model of a shell: solid elements, or the paper's springs")
+      ->check(CLI::IsMember({"solid", "springs"}))
+      ->capture_default_str();
+  verb.add_option(
+          "--merge", options.merge_db,
+          "Merge indistinguishable modes, changing no auditory band by more than this many dB; 0 disables")
+      ->check(CLI::Range(0.0, 20.0))
+      ->capture_default_str();
+  verb.add_option(
+          "--mesher", options.mesher,
+          "Tetrahedral mesher: lattice (any mesh), netgen (clean closed meshes; keeps sharp edges), or auto")
+      ->check(CLI::IsMember({"lattice", "netgen", "auto"}))
+      ->capture_default_str();
+  verb.add_option("--scale", options.scale, "Metres per file unit")
+      ->check(CLI::Range(1e-6, 1e6))
+      ->capture_default_str();
+}
+
 }  // namespace
 
 void add_bake(CLI::App& app, Common& common) {
@@ -258,41 +296,7 @@ void add_bake(CLI::App& app, Common& common) {
       ->check(CLI::Range(1, 1000))
       ->needs(all)
       ->capture_default_str();
-  verb->add_option("--modes", options->modes, "Maximum number of modes")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  verb->add_option("--max-frequency", options->max_frequency, "Hz; modes above are dropped")
-      ->check(CLI::Range(100.0, 1e6))
-      ->capture_default_str();
-  verb->add_option("--elements", options->elements, "Approximate upper limit on tetrahedra")
-      ->check(CLI::Range(100, 1'000'000))
-      ->capture_default_str();
-  verb->add_option("--element-size", options->element_size,
-                   "Element size, metres; default: 1/4 of the shortest wavelength (1/5 for thin bodies)")
-      ->check(CLI::Range(1e-5, 10.0));
-  verb->add_option("--nodes", options->nodes,
-                   "Nodes per element: 10 (quadratic) or 4 (linear; pitch too high)")
-      ->check(CLI::IsMember({4, 10}))
-      ->capture_default_str();
-  verb->add_option("--thickness", options->thickness,
-                   "Shell thickness, metres: the mesh is the middle surface of a shell, open or closed")
-      ->check(CLI::Range(1e-5, 10.0));
-  verb->add_option("--shell", options->shell, "Model of a shell: solid elements, or the paper's springs")
-      ->check(CLI::IsMember({"solid", "springs"}))
-      ->capture_default_str();
-  verb->add_option(
-          "--merge", options->merge_db,
-          "Merge indistinguishable modes, changing no auditory band by more than this many dB; 0 disables")
-      ->check(CLI::Range(0.0, 20.0))
-      ->capture_default_str();
-  verb->add_option(
-          "--mesher", options->mesher,
-          "Tetrahedral mesher: lattice (any mesh), netgen (clean closed meshes; keeps sharp edges), or auto")
-      ->check(CLI::IsMember({"lattice", "netgen", "auto"}))
-      ->capture_default_str();
-  verb->add_option("--scale", options->scale, "Metres per file unit")
-      ->check(CLI::Range(1e-6, 1e6))
-      ->capture_default_str();
+  add_model_options(*verb, *options);
   verb->add_flag("--json", options->json,
                  "Print frequencies, decay rates, residual, times and memory as JSON");
   verb->footer(

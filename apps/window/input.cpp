@@ -73,41 +73,44 @@ void InputController::move(const Vec2& to) {
   if (drag_mode_ == DragMode::pan) camera_.pan(step.x(), step.y());
 }
 
-void InputController::key(int scancode, bool down, bool repeated, Settings& settings,
-                          InputCommands& commands) {
+bool InputController::held_key(int scancode, bool down) {
   const double amount = down ? 1 : 0;
   const auto flipper = [&](unsigned bit) { keys_ = down ? keys_ | bit : keys_ & ~bit; };
   switch (scancode) {
     case SDL_SCANCODE_D:
       flying_.x() = amount;
-      return;
+      return true;
     case SDL_SCANCODE_A:
       flying_.x() = -amount;
-      return;
+      return true;
     case SDL_SCANCODE_E:
       flying_.y() = amount;
-      return;
+      return true;
     case SDL_SCANCODE_Q:
       flying_.y() = -amount;
-      return;
+      return true;
     case SDL_SCANCODE_W:
       flying_.z() = amount;
-      return;
+      return true;
     case SDL_SCANCODE_S:
       flying_.z() = -amount;
-      return;
+      return true;
     case SDL_SCANCODE_LEFT:
     case SDL_SCANCODE_Z:
       flipper(session::left_key);
-      return;
+      return true;
     case SDL_SCANCODE_RIGHT:
     case SDL_SCANCODE_SLASH:
       flipper(session::right_key);
-      return;
+      return true;
     default:
-      break;
+      return false;
   }
-  if (!down) return;
+}
+
+void InputController::key(int scancode, bool down, bool repeated, Settings& settings,
+                          InputCommands& commands) {
+  if (held_key(scancode, down) || !down) return;
   if (scancode == SDL_SCANCODE_N) single();  // repeats while held
   if (repeated) return;
   switch (scancode) {

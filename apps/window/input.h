@@ -57,6 +57,7 @@ class InputController {
 
   void press(int button, const Settings& settings);
   void move(const Vec2& to);
+  bool held_key(int scancode, bool down);  // whether it is one that acts while it is held
   void key(int scancode, bool down, bool repeated, Settings& settings, InputCommands& commands);
   void move_pen(session::LiveSession& session, const Projection& projection);
   void drag(session::LiveSession& session, const Projection& projection);

@@ -2,11 +2,11 @@
 
 #include <SDL2/SDL.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <sstream>
-#include <fmt/format.h>
 
 #include "core/file.h"
 #include "core/text.h"
@@ -196,6 +196,19 @@ void ScriptPlayer::move_mouse(const Vec2& place, const SdlWindow& window) {
   SDL_PushEvent(&pushed);
 }
 
+void ScriptPlayer::press_button(int button, bool down) {
+  const auto mask = unsigned(SDL_BUTTON(button));
+  buttons_ = down ? buttons_ | mask : buttons_ & ~mask;
+  SDL_Event pushed{};
+  pushed.type = down ? SDL_MOUSEBUTTONDOWN : SDL_MOUSEBUTTONUP;
+  pushed.button.button = Uint8(button);
+  pushed.button.state = down ? SDL_PRESSED : SDL_RELEASED;
+  pushed.button.clicks = 1;
+  pushed.button.x = x_;
+  pushed.button.y = y_;
+  SDL_PushEvent(&pushed);
+}
+
 void ScriptPlayer::push(const ScriptEvent& event, SdlWindow& window, Settings& settings,
                         std::vector<std::string>& messages, const LocateBody& locate) {
   SDL_Event pushed{};
@@ -218,19 +231,8 @@ void ScriptPlayer::push(const ScriptEvent& event, SdlWindow& window, Settings& s
       }
       return;
     case ScriptVerb::down:
-    case ScriptVerb::up: {
-      const int button = button_of(event.text);
-      const auto mask = unsigned(SDL_BUTTON(button));
-      const bool down = event.verb == ScriptVerb::down;
-      buttons_ = down ? buttons_ | mask : buttons_ & ~mask;
-      pushed.type = down ? SDL_MOUSEBUTTONDOWN : SDL_MOUSEBUTTONUP;
-      pushed.button.button = Uint8(button);
-      pushed.button.state = down ? SDL_PRESSED : SDL_RELEASED;
-      pushed.button.clicks = 1;
-      pushed.button.x = x_;
-      pushed.button.y = y_;
-      break;
-    }
+    case ScriptVerb::up:
+      return press_button(button_of(event.text), event.verb == ScriptVerb::down);
     case ScriptVerb::wheel:
       pushed.type = SDL_MOUSEWHEEL;
       pushed.wheel.y = int(std::lround(event.x));

@@ -69,6 +69,7 @@ class ScriptPlayer {
   void push(const ScriptEvent& event, SdlWindow& window, Settings& settings,
             std::vector<std::string>& messages, const LocateBody& locate);
   void move_mouse(const Vec2& place, const SdlWindow& window);
+  void press_button(int button, bool down);
 
   std::vector<ScriptEvent> events_;
   std::size_t next_ = 0;
