@@ -2,11 +2,11 @@
 
 #include <SDL2/SDL.h>
 
+#include <fmt/format.h>
 #include <chrono>
 #include <cmath>
 #include <ctime>
 #include <deque>
-#include <fmt/format.h>
 
 #include "core/clock.h"
 #include "core/file.h"

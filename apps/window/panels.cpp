@@ -2,11 +2,11 @@
 
 #include <imgui/imgui.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cfloat>
 #include <cmath>
-#include <fmt/format.h>
 
 namespace intaglio::window {
 
@@ -141,8 +141,7 @@ void timing_panel(session::LiveSession& session, const PanelData& data, const se
   wrapped_text(
       fmt::format("dynamics  {} per step, {} skipped", microseconds(state.step_seconds), state.late));
   const haptics::ServoLoop& servo = session.servo();
-  wrapped_text(fmt::format("touch     {}, wake-up {} (p99)",
-                           microseconds(servo.compute().quantile(0.5)),
+  wrapped_text(fmt::format("touch     {}, wake-up {} (p99)", microseconds(servo.compute().quantile(0.5)),
                            microseconds(servo.wake_up().quantile(0.99))));
   if (session.has_sound()) {
     wrapped_text(

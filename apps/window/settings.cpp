@@ -1,9 +1,9 @@
 #include "window/settings.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fmt/format.h>
 
 #include "core/file.h"
 #include "core/text.h"

@@ -3,8 +3,8 @@
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 
-#include <utility>
 #include <fmt/format.h>
+#include <utility>
 
 namespace intaglio::render {
 

@@ -1,10 +1,10 @@
 #include "render/gl.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cctype>
 #include <cstddef>
 #include <vector>
-#include <fmt/format.h>
 
 namespace intaglio::render::gl {
 

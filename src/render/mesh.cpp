@@ -1,9 +1,9 @@
 #include "render/mesh.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <fmt/format.h>
 
 namespace intaglio::render {
 

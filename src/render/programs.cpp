@@ -1,9 +1,9 @@
 #include "render/programs.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <fmt/format.h>
 
 #include "core/file.h"
 #include "intaglio/vec.h"

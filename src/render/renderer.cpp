@@ -1,11 +1,11 @@
 #include "render/renderer.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <map>
 #include <optional>
-#include <fmt/format.h>
 
 #include "intaglio/representation.h"
 #include "render/egl_context.h"

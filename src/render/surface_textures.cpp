@@ -1,12 +1,12 @@
 #include "render/surface_textures.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <fmt/format.h>
 
 namespace intaglio::render {
 

@@ -37,7 +37,8 @@ TEST_CASE("the ray through a point's projection passes through the point") {
   });
 }
 
-TEST_CASE("orbit keeps target and distance, look keeps the eye, pan and fly keep the view; home restores the start") {
+TEST_CASE(
+    "orbit keeps target and distance, look keeps the eye, pan and fly keep the view; home restores the start") {
   rc::check([] {
     const render::Camera start = camera();
     ViewCamera view(start);

@@ -34,7 +34,8 @@ TEST_CASE("saved settings are read back; those of one run are not") {
   CHECK(read.speed == 1);
 }
 
-TEST_CASE("an unreadable settings file changes nothing and is reported; missing settings keep their defaults") {
+TEST_CASE(
+    "an unreadable settings file changes nothing and is reported; missing settings keep their defaults") {
   const tests::TemporaryFolder folder;
   const auto file = folder.path / "broken.toml";
   Settings settings;
