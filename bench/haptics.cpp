@@ -116,7 +116,7 @@ void measure(int size, std::vector<Row>& rows) {
   Proxy proxy;
   int samples = 0;
   rows.push_back(timed(size, "proxy alone", ticks, 32, [&](int k) {
-    const auto c = proxy.move(slab, path[std::size_t(k)], ContactStiffness::felt(800), 0.3);
+    const auto c = proxy.move(slab, path[std::size_t(k)], ContactSprings::for_felt_stiffness(800), 0.3);
     samples += c.samples;
     return c.force.y();
   }));
@@ -133,7 +133,7 @@ void measure_convergence(std::vector<Row>& rows) {
   const auto s = brick(512, 1);
   const auto path = sliding_path(*s, 50000);
   const TexturedSlab slab(s, {});
-  const auto k = ContactStiffness::felt(800);
+  const auto k = ContactSprings::for_felt_stiffness(800);
   Proxy proxy;
   std::vector<double> off;
   for (const Vec3& x : path) {
@@ -149,7 +149,7 @@ void measure_convergence(std::vector<Row>& rows) {
 void measure_energy(std::vector<Row>& rows) {
   const auto s = brick(512, 0.1);
   const TexturedSlab slab(s, {Representation::relief, 0.001, 0.02});
-  const auto k = ContactStiffness::felt(800);
+  const auto k = ContactSprings::for_felt_stiffness(800);
   const bench::TriangleProxy mesh(*s);
   std::vector<double> ours, rubbing, plane, literal, finger;
   Random random(7);

@@ -31,21 +31,21 @@ void learn(const Message& message, PeerNames& names) {
 }
 
 void check_force(Type type, View payload) {
-  AskedForce asked({1000, 1000});
+  RequestedForce requested({1000, 1000});
   if (type == Type::plane)
-    if (const auto plane = decode_plane(payload)) asked.set(*plane);
+    if (const auto plane = decode_plane(payload)) requested.set(*plane);
   if (type == Type::force_field)
-    if (const auto field = decode_force_field(payload)) asked.set(*field);
+    if (const auto field = decode_force_field(payload)) requested.set(*field);
   const Vec3 x(0.01, -0.02, 0.03);
-  require(asked.newtons(x, {0.1, 0.2, -0.3}).allFinite());
-  if (const auto contact = asked.contact(x)) require(contact->allFinite());
+  require(requested.newtons(x, {0.1, 0.2, -0.3}).allFinite());
+  if (const auto contact = requested.contact(x)) require(contact->allFinite());
 }
 
 void examine(const Message& message, PeerNames& names) {
   require(message.payload.size() <= message_limit - header_size);
   if (message.type < 0) {
     learn(message, names);
-    sound_log_description(message.payload);
+    is_valid_log_description(message.payload);
     const auto again = reencode_system(message.type, message.payload);
     if (again) require(same(*again, message.payload));
     return;
@@ -86,7 +86,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   else
     examine_stream(bytes);
   if (const auto request = decode_dial_request(bytes)) {
-    require(sound_port(request->port) && !request->host.empty());
+    require(is_valid_port(request->port) && !request->host.empty());
     require(request->host.find_first_not_of(
                 "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.") == std::string::npos);
   }

@@ -43,7 +43,7 @@ int exit_code(LinkFault fault) {
 }
 
 // Prints the failure in one line; returns its exit code.
-int report_link(const LinkFailure& failure) {
+int report_link(const LinkError& failure) {
   report(failure.error);
   return exit_code(failure.fault);
 }
@@ -112,7 +112,7 @@ int run_serve(const ServeOptions& options, const Common& common) {
   server_options.log = say;
   const auto server = Server::open(server_options);
   if (!server) {
-    LinkFailure failure = server.error();
+    LinkError failure = server.error();
     if (failure.fault == LinkFault::port_taken) failure.error.fix = "choose another with --port";
     return report_link(failure);
   }
@@ -265,9 +265,9 @@ bool Printer::force_error(const Received& received, const std::string& stamp) {
   if (!error) return false;
   if (json_) {
     line("force_error",
-         fmt::format("{}, \"code\": {}, \"meaning\": \"{}\"", stamp, int(*error), meaning(*error)));
+         fmt::format("{}, \"code\": {}, \"meaning\": \"{}\"", stamp, int(*error), describe(*error)));
   } else {
-    fmt::print("{:9.3f} s  force device: {}\n", elapsed(), meaning(*error));
+    fmt::print("{:9.3f} s  force device: {}\n", elapsed(), describe(*error));
   }
   return true;
 }
@@ -314,7 +314,7 @@ void print_summary(const Printer& printer, std::string_view reason) {
 
 // Warns once of a server that does not answer; then timed_out.
 LinkFault check_answers(const Client& client, const Address& address, bool& warned) {
-  const double unanswered = std::chrono::duration<double>(client.unanswered()).count();
+  const double unanswered = std::chrono::duration<double>(client.ping_age()).count();
   if (unanswered > warn_after && !warned) {
     warned = true;
     fmt::print(stderr, "intaglio: warning: {}: no answer for {} s; check the device name \"{}\"\n",
@@ -345,10 +345,10 @@ int run_monitor(const MonitorOptions& options, const Common& common) {
     fault = check_answers(**client, *address, warned);
   }
   if (options.json || !common.quiet)
-    print_summary(printer, fault == LinkFault::none ? "finished" : meaning(fault));
+    print_summary(printer, fault == LinkFault::none ? "finished" : describe(fault));
   return fault == LinkFault::none
              ? 0
-             : report_link(LinkFailure{fault, {address->text(), std::string(meaning(fault)), ""}});
+             : report_link(LinkError{fault, {address->text(), std::string(describe(fault)), ""}});
 }
 
 constexpr const char* exit_codes =

@@ -343,7 +343,7 @@ void Application::finish_report() {
   session::LiveSession* session = stage_.session();
   if (session == nullptr) return;
   const haptics::ServoLoop& servo = session->servo();
-  report_.touch = {servo.compute().count(), servo.left_out(), servo.wake_up().quantile(0.99),
+  report_.touch = {servo.compute().count(), servo.skipped_ticks(), servo.wake_up().quantile(0.99),
                    servo.compute().quantile(0.99), servo.priority()};
   const session::LiveState& state = session->state();
   report_.dynamics = {state.steps, state.late, state.step_seconds};

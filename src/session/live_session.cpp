@@ -129,7 +129,7 @@ LiveSession::LiveSession(const Scene& scene, const SceneSurface& surface, const 
     device = mouse_.get();
   }
   servo_ = std::make_unique<haptics::ServoLoop>(make_servo(scene_, surface, options.feels), *device);
-  pushed_.assign(std::min(scene_.balls.size(), haptics::most_balls), Vec3::Zero());
+  pushed_.assign(std::min(scene_.balls.size(), haptics::max_balls), Vec3::Zero());
   now_.bodies = std::min(world_.count(), most_live_bodies);
   publish();
 }

@@ -190,7 +190,7 @@ class LiveSession {
   BodyId pen_id() const { return world_.pen(); }
   haptics::ServoLoop& servo() { return *servo_; }
   // Of physics: how late a step was begun.
-  const haptics::Lateness& lateness() const { return lateness_; }
+  const haptics::LatencyHistogram& lateness() const { return lateness_; }
   std::optional<sound::LiveStatus> sound_status();
   bool has_sound() const { return sound_.load() != nullptr; }
   // What went wrong with the sound, once; empty when nothing did.
@@ -235,7 +235,7 @@ class LiveSession {
   Latest<LiveState> state_;
   LiveState now_;
   std::uint64_t singles_done_ = 0, resets_done_ = 0;
-  haptics::Lateness lateness_;
+  haptics::LatencyHistogram lateness_;
 };
 
 }  // namespace intaglio::session

@@ -82,7 +82,7 @@ Simulation::Simulation(const Scene& scene, const SceneSurface& surface)
     servo_.emplace(surface_, pen_options(scene, surface.material));
     if (const auto warning = stability_of(*scene.pen)) recording_.warnings.push_back(*warning);
     recording_.pen = world_.pen();
-    pushed_.assign(std::min(scene.balls.size(), haptics::most_balls), Vec3::Zero());
+    pushed_.assign(std::min(scene.balls.size(), haptics::max_balls), Vec3::Zero());
   }
 }
 

@@ -111,7 +111,7 @@ Outcome forces() {
       if (moves) {
         scene.textured.velocity = {0.01, 0, 0.02};
         scene.textured.angular_velocity = {0.1, 0.5, -0.2};
-        scene.textured.pose = scene.textured.after(scene.time);
+        scene.textured.pose = scene.textured.extrapolated(scene.time);
         scene.balls[0] = {{0.02, 0.01, 0.01}, {-0.02, 0, 0}, 0.015};
         scene.ball_count = 1;
       }

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "core/portable_math.h"
 #include "haptics/passivity.h"
 
 using namespace intaglio;
@@ -10,14 +9,14 @@ using namespace intaglio::haptics;
 
 namespace {
 
-// Work that a wall of stiffness K and damping B, sampled at the device's rate, does on a tip that is shaken
-// into it as `motion(t)` tells; J after one period of a second.
+// Work that a wall of stiffness K and damping B, sampled at the device's rate, does in a second on a tip that
+// is shaken into it sinusoidally, J.
 double work_of_wall(const DeviceDynamics& device, double stiffness, double damping, double frequency,
                     double amplitude) {
   const double period = 1 / device.rate;
   const auto x = [&](double t) { return amplitude * std::sin(2 * 3.14159265358979 * frequency * t); };
   double work = 0;
-  for (int k = 1; k < static_cast<int>(device.rate); ++k) {
+  for (int k = 1; k < int(device.rate); ++k) {
     const double t = k * period;
     const double force = -stiffness * x(t) - damping * (x(t) - x(t - period)) / period;
     work += force * (x(t + period) - x(t));
@@ -32,12 +31,11 @@ double work_of_wall(const DeviceDynamics& device, double stiffness, double dampi
 
 }  // namespace
 
-TEST_CASE("K = 2 (b - B) / T divides springs that are passive from those that are not") {
+TEST_CASE("springs are passive up to K = 2 (b - B) / T and not beyond") {
   const DeviceDynamics device{0.5, 0.02, 2.3e-5, 1000};
   CHECK(stiffness_limit(device) == doctest::Approx(1000));
   CHECK(stiffness_limit(device, 0.1) == doctest::Approx(800));
   CHECK(stiffness_limit(device, 0.7) == 0);
-  CHECK(damping_limit(device, 600) == doctest::Approx(0.2));
   for (const double damping : {0.0, 0.2}) {
     const double limit = stiffness_limit(device, damping);
     // Passive at all frequencies below the limit; the worst is at half the sampling rate.
@@ -50,26 +48,14 @@ TEST_CASE("K = 2 (b - B) / T divides springs that are passive from those that ar
   CHECK_FALSE(stability_warning(device, 700, 0).has_value());
 }
 
-TEST_CASE("limits of resolution: quantisation, noise of damping, finest wavelength") {
+TEST_CASE("encoder steps are absorbed up to K = 2 friction / resolution") {
   const DeviceDynamics device{10, 0.02, 2e-5, 1000};
   CHECK(quantisation_limit(device) == doctest::Approx(2000));
+  CHECK_FALSE(stability_warning(device, 1900, 0).has_value());
   CHECK(stability_warning(device, 2100, 0).has_value());
-  CHECK(finest_wavelength(device, 0.25) == doctest::Approx(0.001));
-  // Against rounding a hand that drifts.
-  Random random(3);
-  double sum = 0;
-  constexpr int count = 200000;
-  for (int k = 0; k < count; ++k) {
-    const double x = random.uniform(0, 1), y = random.uniform(0, 1);
-    const auto error = [&](double position) {
-      return (std::round(position / device.resolution) * device.resolution - position) * device.rate;
-    };
-    sum += std::pow(error(y) - error(x), 2);
-  }
-  CHECK(std::sqrt(sum / count) == doctest::Approx(damping_noise(device, 1)).epsilon(0.01));
 }
 
-TEST_CASE("a sampled spring gives a shaken hand energy; under the passivity controller it does not") {
+TEST_CASE("a sampled spring gives a shaken hand energy, but not under the passivity controller") {
   constexpr double stiffness = 2000, period = 1e-3;
   for (const bool controlled : {false, true}) {
     PassivityController passivity({stiffness * period * 2, 1e-4, 2e-3});
@@ -80,8 +66,8 @@ TEST_CASE("a sampled spring gives a shaken hand energy; under the passivity cont
       work += force.dot(x - last);
       passivity.observe(x - last, 0.5 * stiffness * x.squaredNorm());
       force = -stiffness * x;
-      if (controlled) force += passivity.damp(x - last, period);
-      passivity.sent(force);
+      if (controlled) force += passivity.damping_force(x - last, period);
+      passivity.set_sent(force);
       CHECK(passivity.work_on_hand() == doctest::Approx(work));
       last = x;
     }
@@ -91,11 +77,10 @@ TEST_CASE("a sampled spring gives a shaken hand energy; under the passivity cont
   }
 }
 
-TEST_CASE("stone feels as stiff as the device shows, foam as soft as it is") {
+TEST_CASE("stone feels as stiff as the device can display, foam as soft as it is") {
   Material foam;
   foam.youngs_modulus = 5e4;
   foam.poisson_ratio = 0;
-  CHECK(punch_stiffness(foam, 0.001) == doctest::Approx(100));
   CHECK(felt_stiffness(foam, 0.001, 800) == doctest::Approx(800.0 * 100 / 900));
   for (const Material& material : materials())
     CHECK(felt_stiffness(material, 0.001, 800) == doctest::Approx(800).epsilon(0.001));

@@ -4,8 +4,7 @@
 #include <cmath>
 
 #include "core/portable_math.h"
-#include "haptics/servo.h"
-#include "intaglio/representation.h"
+#include "haptics/proxy.h"
 #include "mesh/triangle_mesh.h"
 #include "tests/haptics/closed_loops.h"
 #include "tests/surface/brick_surface.h"
@@ -15,73 +14,62 @@ using namespace intaglio::haptics;
 
 namespace {
 
-// Goes where it is told, exactly.
-struct Led : Device {
-  Vec3 position = Vec3::Zero(), force = Vec3::Zero();
-  Vec3 read() override { return position; }
-  void write(const GuardedForce& f) override { force = f.newtons(); }
-};
-
-// A drag over the brick, pressed in, in the frame of the surface.
-Vec3 drag(double t) {
-  return {-0.03 + 0.02 * t, -0.003 + 0.002 * std::sin(5 * t), 0.01 * std::sin(2 * t)};
+// 4 x 4 texels that repeat; bit k of `pattern` is texel k at the base plane, the others are 8 mm deep. 40 mm
+// wide.
+std::shared_ptr<const surface::Surface> two_levels(unsigned pattern) {
+  return tests::made_surface(
+      4,
+      [pattern](Vec2 uv) {
+        const int texel = 4 * int(4 * uv.y()) + int(4 * uv.x());
+        return (pattern >> texel & 1u) != 0 ? 0.0 : 1.0;
+      },
+      [](Vec2) { return Vec3::UnitZ(); }, 0.008, tests::flat_placement(0.04));
 }
+
+// The texels whose Catmull-Rom weight is positive half way between the middle four.
+constexpr unsigned highest_overshoot = 0b1001'0110'0110'1001;
 
 }  // namespace
 
-TEST_CASE("a pen that goes with a moving body feels what it feels on the body at rest") {
-  const auto s = tests::brick_surface(256, 0.16);
-  ServoOptions options;
-  options.limits.continuous_force = 7.9;
-  Led at_rest, carried;
-  PenServo resting(s, options), moving(s, options);
-  SceneSnapshot still, scene;
-  const Vec3 velocity(0.2, 0.1, -0.15), spin(0.2, 0.5, 0.1);
-  double worst = 0, strongest = 0;
-  for (int k = 0; k < 3000; ++k) {
-    const double t = k * 1e-3;
-    // The scene is 60 Hz; in between the loop carries the body on.
-    const double seen = std::floor(t * 60) / 60;
-    const auto at = [&](double time) { return BodyMotion{{}, velocity, spin}.after(time); };
-    scene.textured = {at(seen), velocity, spin};
-    scene.time = seen;
-    still.time = t;
-    at_rest.position = drag(t);
-    carried.position = at(t).to_world(drag(t));
-    resting.tick(at_rest, still, t);
-    const ServoSample sample = moving.tick(carried, scene, t);
-    worst = std::max(worst, (at(t).orientation.conjugate() * carried.force - at_rest.force).norm());
-    strongest = std::max(strongest, at_rest.force.norm());
-    if (k > 10) CHECK((sample.guard_status & guard_status::fault) == 0);
+TEST_CASE(
+    "smooth() leaves the range of its texels by at most 9/32 of it, and the felt relief ends at its top") {
+  const auto worst = two_levels(highest_overshoot);
+  CHECK(worst->smooth({0.5, 0.5}).height == doctest::Approx(9.0 / 32 * 0.008).epsilon(1e-12));
+  Random random(12);
+  double highest = -1, lowest = 1;
+  for (int n = 0; n < tests::poses(3000); ++n) {
+    const unsigned pattern = n == 0   ? highest_overshoot
+                             : n == 1 ? ~highest_overshoot
+                                      : unsigned(random.next());
+    const auto s = two_levels(pattern & 0xffffu);
+    const Representation representation = n % 2 == 0 ? Representation::relief : Representation::normal;
+    const FeltRelief relief(s, {representation, 0.002});
+    for (int k = 0; k < 20; ++k) {
+      const Vec2 uv = k == 0 ? Vec2(0.5, 0.5) : Vec2(random.uniform(0, 1), random.uniform(0, 1));
+      const double height = s->smooth(uv).height;
+      highest = std::max(highest, height);
+      lowest = std::min(lowest, height);
+      CHECK_FALSE(relief.at(uv).height > relief.top() + 1e-15);
+    }
   }
-  MESSAGE("largest difference " << worst << " N of " << strongest << " N");
-  CHECK(strongest > 1.5);
-  // Rounding, where the proxy has just slipped and not yet converged.
-  CHECK(worst < 1e-3);
+  CHECK(highest <= 9.0 / 32 * 0.008 * (1 + 1e-12));
+  CHECK(lowest >= -(1 + 9.0 / 32) * 0.008 * (1 + 1e-12));
 }
 
-TEST_CASE("a body that rises into a resting pen pushes it, and gets the opposite impulse") {
-  const auto s = tests::brick_surface(64, 0.16);
-  Led device;
-  device.position = {0, 0.002, 0};
-  ServoOptions options;
-  options.representation = Representation::flat;
-  options.spring.damping = 0;
-  PenServo servo(s, options);
-  double given = 0;
-  for (int k = 0; k < 1500; ++k) {
-    SceneSnapshot scene;
-    scene.time = k * 1e-3;
-    scene.textured.pose.position.y() = std::min(0.004, 0.004 * scene.time);
-    if (scene.time < 1) scene.textured.velocity.y() = 0.004;
-    const ServoSample sample = servo.tick(device, scene, scene.time);
-    given += sample.wanted.y() * 1e-3;
+TEST_CASE("where the relief overshoots most, the tip is inside exactly when it is below the felt height") {
+  const auto s = two_levels(highest_overshoot);
+  const TexturedSlab slab(s, {Representation::relief, 0.002, 0.05});
+  for (double uv = 0.4; uv <= 0.6; uv += 0.005) {
+    const Vec3 base = s->placement().to_world({0.04 * uv, 0.04 * uv, 0});
+    const double height = s->smooth({uv, uv}).height;
+    for (double above = -5e-5; above <= 5e-5; above += 1e-6) {
+      const Penetration p = slab.at(base + Vec3(0, height + above, 0));
+      CHECK((p.depth > 1e-12) == (above < -1e-12));
+    }
   }
-  CHECK(device.force.y() == doctest::Approx(600 * 0.002));
-  CHECK(servo.report().textured_impulse.y() == doctest::Approx(-given));
 }
 
-TEST_CASE("on a flat mesh the pen feels what it feels on the rectangle") {
+TEST_CASE("a flat mesh feels like the rectangle") {
   const auto s = tests::brick_surface(128, 0.16);
   auto mesh = surface::MeshPlacement::make(surface::make_quad(s->placement()));
   REQUIRE(mesh);
@@ -106,7 +94,7 @@ TEST_CASE("closed loops on a textured ball give no energy, and the force points 
   auto mesh = surface::MeshPlacement::make(surface::make_sphere(radius, 64, 32));
   REQUIRE(mesh);
   const TexturedMesh ball(s, *mesh, 0.02, {Representation::relief, 0.002});
-  const auto k = ContactStiffness::felt(800);
+  const auto k = ContactSprings::for_felt_stiffness(800);
   Random random(2);
   double worst = -1;
   for (int n = 0; n < tests::poses(10, 400); ++n) {
@@ -134,10 +122,10 @@ TEST_CASE("closed loops on a textured ball give no energy, and the force points 
   CHECK(worst <= 1e-6);
 }
 
-TEST_CASE("from the side, from below, far outside: the slab's sides push out and nothing is felt beyond") {
+TEST_CASE("the sides and the underside of a slab push out, and nothing is felt beyond them") {
   const auto s = tests::brick_surface(64, 0.16);
   const TexturedSlab slab(s, {Representation::relief, 0.002, 0.05});
-  const auto k = ContactStiffness::felt(800);
+  const auto k = ContactSprings::for_felt_stiffness(800);
   Proxy proxy;
   // Into the side, 3 mm.
   proxy.move(slab, {0.085, -0.02, 0}, k, 0);
@@ -149,17 +137,17 @@ TEST_CASE("from the side, from below, far outside: the slab's sides push out and
   for (int n = 0; n <= 200; ++n) c = proxy.move(slab, {0.077, -0.02, 0.0009 * n}, k, 0);
   CHECK_FALSE(c.touching);
   // From below, 2 mm.
-  proxy.forget();
+  proxy.reset();
   proxy.move(slab, {0, -0.06, 0}, k, 0);
   for (int n = 0; n <= 120; ++n) c = proxy.move(slab, {0, -0.06 + 0.0001 * n, 0}, k, 0);
   CHECK(c.force.y() == doctest::Approx(-800 * 0.002).epsilon(1e-6));
 }
 
-TEST_CASE("friction sticks below its cone and slips on it") {
+TEST_CASE("the proxy sticks within the friction cone and slips on it") {
   const auto s = tests::made_surface(
       8, [](Vec2) { return 0.0; }, [](Vec2) { return Vec3::UnitZ(); });
   const TexturedSlab slab(s, {});
-  const auto k = ContactStiffness::felt(800);
+  const auto k = ContactSprings::for_felt_stiffness(800);
   const double mu = 0.3;
   Proxy proxy;
   proxy.move(slab, {0, 0.001, 0}, k, mu);
@@ -177,7 +165,7 @@ TEST_CASE("friction sticks below its cone and slips on it") {
     c = proxy.move(slab, {x, -0.002, 0}, k, mu);
     CHECK(c.force.x() == doctest::Approx(-mu * normal_force).epsilon(1e-6));
   }
-  // Back: sticks again, and the friction turns round.
+  // Back: it sticks again, and the friction reverses.
   for (double x = 0.01; x > 0; x -= slip_at / 10) c = proxy.move(slab, {x, -0.002, 0}, k, mu);
   CHECK(c.force.x() == doctest::Approx(mu * normal_force).epsilon(1e-6));
 }

@@ -27,10 +27,10 @@ std::shared_ptr<const surface::Surface> flat(const Vec3& centre = Vec3::Zero(),
 
 }  // namespace
 
-TEST_CASE("the torque of a shaft pressed evenly into flat ground is that of the closed form") {
-  // A line at depth d0 + e s below radius, s along the shaft: force k (d0 + e s) a metre along the normal;
-  // with arm s - grip along the shaft, F = k (d0 L + e (L^2 - a^2) / 2), M = k integral of (s - grip) (d0 + e
-  // s).
+TEST_CASE("the torque of a shaft pressed into flat ground matches the closed form") {
+  // A line at depth d0 + e s (with the radius), s along the shaft, is pushed by k (d0 + e s) per metre along
+  // the normal. From the taper's end a to the length l, with the arm s - grip:
+  //     F = k (d0 (l - a) + e (l^2 - a^2) / 2),     M = k integral of (s - grip) (d0 + e s) ds.
   const auto s = flat();
   const TexturedSlab slab(s, {});
   Random random(5);
@@ -87,7 +87,7 @@ TEST_CASE("the shaft's wrench is the derivative of its energy") {
   CHECK(touching > 20);
 }
 
-TEST_CASE("tip, shaft and ball: the wrench is the sum of r x f, wherever the world's origin is") {
+TEST_CASE("the wrench of tip, shaft and ball is the sum of r x f, wherever the world's origin is") {
   Random random(8);
   for (int n = 0; n < 200; ++n) {
     const Vec3 shift = random_vector(random, 100);
@@ -104,7 +104,7 @@ TEST_CASE("tip, shaft and ball: the wrench is the sum of r x f, wherever the wor
       const PenPose pose{to(tip), (moved ? turn : Quat::Identity()) * Vec3(0.9, 0.1, 0.2).normalized()};
       Wrench sum = shaft_wrench(slab, shape, pose);
       Proxy proxy;
-      const auto contact = proxy.move(slab, pose.tip, ContactStiffness::felt(800), 0.3);
+      const auto contact = proxy.move(slab, pose.tip, ContactSprings::for_felt_stiffness(800), 0.3);
       sum += Wrench::of(contact.force, pose.tip, pose.at(shape.grip));
       SceneBall ball;
       ball.radius = 0.03;
@@ -120,7 +120,7 @@ TEST_CASE("tip, shaft and ball: the wrench is the sum of r x f, wherever the wor
   }
 }
 
-TEST_CASE("a wrench moved to another point and back is the same; r x f about any point") {
+TEST_CASE("a wrench moved to another reference point has the torque r x f about it") {
   Random random(9);
   for (int n = 0; n < 1000; ++n) {
     const Vec3 f = random_vector(random, 5), at = random_vector(random, 1), a = random_vector(random, 1),
@@ -130,13 +130,12 @@ TEST_CASE("a wrench moved to another point and back is the same; r x f about any
   }
 }
 
-TEST_CASE("a ball pushed by the pen gets what the pen gets, the other way") {
+TEST_CASE("pen and ball push each other with opposite forces") {
   struct Held : Device {
     Vec3 position = Vec3(0, 0.1, 0);
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
     Vec3 read() override { return position; }
     void write(const GuardedForce& f) override { force = f.newtons(), torque = f.newton_metres(); }
-    bool displays_torque() const override { return true; }
   } device;
   ServoOptions options;
   options.limits.peak_torque = 0.5;
@@ -149,7 +148,7 @@ TEST_CASE("a ball pushed by the pen gets what the pen gets, the other way") {
     SceneSnapshot scene;
     scene.ball_count = 2;
     scene.balls[1].radius = 0.03;
-    // 2 mm (of the device) into the shaft, half way up.
+    // 2 mm of device travel into the shaft, half way up.
     scene.balls[1].position =
         options.workspace.to_world(device.position) + Vec3(0.035 - 0.002 * scale, 0.075, 0);
     ServoSample sample;
