@@ -14,6 +14,7 @@
 
 #include "command/verb.h"
 #include "core/text.h"
+#include "intaglio/version.h"
 
 namespace intaglio::app {
 
@@ -111,7 +112,7 @@ int main(int argc, char** argv) {
       "Start with:  intaglio run   or, without a screen,  intaglio render scenes/brick.toml -o out/brick.mp4");
   app.name("intaglio");
   app.require_subcommand(1);
-  app.set_version_flag("--version", "intaglio 0.1.0");
+  app.set_version_flag("--version", std::string("intaglio ") + intaglio::version());
   intaglio::app::Common common;
   app.add_flag("-q,--quiet", common.quiet, "No progress bar, no summary; errors only");
   app.fallthrough();

@@ -8,7 +8,6 @@
 #include <ctime>
 #include <deque>
 
-#include "core/clock.h"
 #include "core/file.h"
 #include "window/input.h"
 #include "window/panels.h"

@@ -1,5 +1,4 @@
 #include "core/process.h"
-#include "core/clock.h"
 
 #include <fcntl.h>
 #include <signal.h>

@@ -36,9 +36,6 @@ Result<SceneSurface> make_surface(const Scene& scene);
 // of a file as it is there.
 Result<surface::MeshPlacement> make_base(const BaseScene& base, const Pose& pose);
 
-// m, how long one texture is along u and v, the mean over the base.
-Vec2 texture_size(const surface::TriangleMesh& mesh);
-
 // How many texels of a curved relief a ball lies over: what a step of contact costs there, about 25 ns each
 // (`intaglio render` of scenes/bowl.toml with repeat = [64, 64]; 2 cores, AMD EPYC, Debian 12, 22 November
 // 2026).

@@ -1,6 +1,7 @@
 // A VRPN server that shows one simulated PHANToM.
 #pragma once
 
+#include <memory>
 #include <chrono>
 #include <list>
 
