@@ -46,7 +46,8 @@ struct DepthTest {
 };
 
 // The tip (local frame) collides below the depth map in relief, below the base plane otherwise, and never
-// beside the rectangle. Real-time, 0.05 us. §1.3.2, Sterling & Lin 2016
+// beside the rectangle. Real-time, 0.05 us.
+// §1.3.2, Sterling & Lin 2016
 inline DepthTest depth_test(const surface::Surface& surface, Representation representation,
                             const Vec3& tip_local) {
   const surface::Placement& place = surface.placement();
