@@ -41,9 +41,9 @@ class DeviceDriver {
  public:
   virtual ~DeviceDriver() = default;
   virtual Vec3 position() = 0;  // m, of the tip, in the device's workspace
-  virtual void set_force(const Vec3& newtons, const Vec3& torque) = 0;  // N and N m on the hand until the next call
+  // N, and N m about the grip, on the hand until the next call; torque is zero unless GuardLimits::peak_torque is set.
+  virtual void set_force(const Vec3& newtons, const Vec3& torque) = 0;
   virtual std::optional<Quat> orientation() { return std::nullopt; }  // turns the pen from upright, where known
-  virtual bool displays_torque() const { return false; }
   virtual double silent_for() const { return 0; }  // s since the device was last heard of
 };
 
@@ -75,7 +75,7 @@ struct GuardLimits {
   double thermal_time = 30;        // s, of the running mean of force squared
   double slew_rate = 2000;         // N/s
   double ramp_in = 0.5;            // s from arming to full force; at least 0.5 whatever is asked for
-  double peak_torque = 0;          // N m; 0: the device displays no torque
+  double peak_torque = 0;          // N m; 0: no torque is sent
   double continuous_torque = 0;    // N m
   double torque_slew_rate = 100;   // N m/s
   double velocity_limit = 1.5;     // m/s, of the device's tip

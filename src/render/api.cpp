@@ -4,6 +4,7 @@
 #include "core/file.h"
 #include "intaglio/render.h"
 #include "mesh/api.h"
+#include "render/mesh.h"
 #include "render/renderer.h"
 
 namespace intaglio {
