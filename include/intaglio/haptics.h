@@ -88,8 +88,8 @@ inline constexpr std::uint32_t clamped = 1u << 0;   // larger than is allowed no
 inline constexpr std::uint32_t slewed = 1u << 1;    // changed faster than the slew rate
 inline constexpr std::uint32_t ramping = 1u << 2;   // within the ramp-in
 inline constexpr std::uint32_t fault = 1u << 3;     // latched: zero force until rearm()
-inline constexpr std::uint32_t warm = 1u << 4;      // clamped by the continuous limit
-inline constexpr std::uint32_t too_fast = 1u << 5;  // over the velocity limit: force goes to zero
+inline constexpr std::uint32_t thermally_limited = 1u << 4;  // clamped below the peak: the motors are warm
+inline constexpr std::uint32_t hand_too_fast = 1u << 5;  // over the velocity limit: force goes to zero
 inline constexpr std::uint32_t not_a_number = 1u << 6;  // and what latched the fault
 inline constexpr std::uint32_t scene_stalled = 1u << 7;
 inline constexpr std::uint32_t link_lost = 1u << 8;
@@ -158,7 +158,7 @@ struct TouchReport {
 struct TouchTiming {
   double worst_wake_up = 0, p99_wake_up = 0;  // s, how late ticks began
   double worst_compute = 0, p99_compute = 0;  // s, how long they took, device included
-  std::uint64_t left_out = 0;                 // ticks, after one that was late
+  std::uint64_t skipped_ticks = 0;            // after one that was late
   std::string priority;                       // how the thread was scheduled, one line
 };
 
