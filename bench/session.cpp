@@ -112,7 +112,8 @@ void measure(const std::shared_ptr<const surface::Surface>& surface, double rate
   print({rate, "wake-up", &loop.wake_up()}, json, false);
   print({rate, "compute", &loop.compute()}, json, last);
   if (!json)
-    fmt::print("       {}; {} ticks left out, {} faults seen\n", loop.priority(), loop.skipped_ticks(), faults);
+    fmt::print("       {}; {} ticks left out, {} faults seen\n", loop.priority(), loop.skipped_ticks(),
+               faults);
   std::fflush(stdout);
 }
 
