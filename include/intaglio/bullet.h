@@ -24,25 +24,32 @@
 #include <limits>
 #include <memory>
 
+#include "intaglio/contact_point.h"
+#include "intaglio/error.h"
 #include "intaglio/mesh.h"
 #include "intaglio/representation.h"
 #include "intaglio/surface.h"
 
 namespace intaglio::dynamics {
-class TouchableShape;  // of the library
+class TexturedShapeBase;  // of the library
 }
 
 namespace intaglio::bullet {
 
-// Teaches `dispatcher` to meet every kind of shape with SurfaceShape, in both orders of a pair, for steps and for
-// contactTest.
+// Registers the collision algorithms of SurfaceShape with every kind of shape, in both orders of a pair, for steps
+// and for contactTest.
 void enable(btCollisionDispatcher& dispatcher);
+
+// Whether a Bullet shape can touch a SurfaceShape; the error names the shape and the reason: neither convex nor a
+// compound of convex ones, or a hull without volume. One that cannot passes through it.
+Result<void> check(const btCollisionShape& shape);
 
 struct ShapeOptions {
   Representation representation = Representation::relief;  // of a rectangle; curved ones have their relief
   ContactMethod method = ContactMethod::closest;
   NormalMethod normal_method = NormalMethod::implied;
-  double thickness = std::numeric_limits<double>::infinity();  // m: what is deeper below is behind it, not in it
+  double thickness =
+      std::numeric_limits<double>::infinity();  // m: what is deeper below is behind it, not in it
 };
 
 class SurfaceShape : public btConcaveShape {
@@ -56,15 +63,19 @@ class SurfaceShape : public btConcaveShape {
   // Of a slab as thick as the relief is deep; of a closed mesh what it encloses, the diagonal only.
   void calculateLocalInertia(btScalar mass, btVector3& inertia) const override;
   void getAabb(const btTransform& transform, btVector3& low, btVector3& high) const override;
-  void processAllTriangles(btTriangleCallback* callback, const btVector3& low, const btVector3& high) const override;
+  void processAllTriangles(btTriangleCallback* callback, const btVector3& low,
+                           const btVector3& high) const override;
   void setLocalScaling(const btVector3& scaling) override;  // has no effect: a surface has metres
   const btVector3& getLocalScaling() const override;
   const char* getName() const override { return "SurfaceShape"; }
 
-  const dynamics::TouchableShape& impl() const { return *impl_; }
+  // contact_status::no_size once a body has met this shape that cannot touch it: check() gives the reason.
+  unsigned status() const;
+
+  const dynamics::TexturedShapeBase& impl() const { return *impl_; }
 
  private:
-  std::unique_ptr<dynamics::TouchableShape> impl_;
+  std::unique_ptr<dynamics::TexturedShapeBase> impl_;
 };
 
 }  // namespace intaglio::bullet

@@ -8,6 +8,10 @@ void enable(btCollisionDispatcher& dispatcher) {
   dynamics::register_algorithms(dispatcher);
 }
 
+Result<void> check(const btCollisionShape& shape) {
+  return dynamics::check_shape(shape);
+}
+
 SurfaceShape::SurfaceShape(const Surface& surface, const ShapeOptions& options)
     : impl_(std::make_unique<dynamics::TexturedShape>(
           surface.impl().surface,
@@ -24,6 +28,10 @@ SurfaceShape::SurfaceShape(const CurvedSurface& surface, const ShapeOptions& opt
 }
 
 SurfaceShape::~SurfaceShape() = default;
+
+unsigned SurfaceShape::status() const {
+  return impl_->status();
+}
 
 void SurfaceShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const {
   impl_->calculateLocalInertia(mass, inertia);

@@ -52,8 +52,8 @@ Result<World> World::create(const WorldOptions& options) {
   if (!(options.step > 0) || !std::isfinite(options.step))
     return fail("WorldOptions::step", "is not above 0 s", "1.0 / 480 is usual");
   const auto* curved = std::get_if<CurvedSurface>(&options.floor);
-  const auto material =
-      chosen(options.floor_material, curved != nullptr ? curved->surface() : std::get<Surface>(options.floor));
+  const auto material = chosen(options.floor_material,
+                               curved != nullptr ? curved->surface() : std::get<Surface>(options.floor));
   if (!material) return tl::unexpected(material.error());
   return World(std::make_unique<Impl>(Impl{make_world(options, *material), {}, {}, options.step}));
 }
@@ -79,7 +79,8 @@ Result<BodyId> World::add(const Shape& shape, const BodyOptions& options) {
   const BodyId id = impl_->world.add(body);
   impl_->mass.push_back(body.mass());
   if ((impl_->world.status(id) & dynamics::not_simulated) != 0 && options.skin)
-    return fail("World::add", "the skin encloses no volume", "its mesh must be closed, triangles facing outwards");
+    return fail("World::add", "the skin encloses no volume",
+                "its mesh must be closed, triangles facing outwards");
   return id;
 }
 

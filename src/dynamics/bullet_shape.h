@@ -1,4 +1,6 @@
-// Vectors and poses between Bullet's floats and our doubles. Internal to dynamics/: includes Bullet.
+// Conversion between Bullet's vectors, poses and shapes (floats) and ours (doubles).
+//
+// Internal to dynamics/: includes Bullet.
 #pragma once
 
 #include <LinearMath/btTransform.h>
@@ -8,12 +10,15 @@
 #include <vector>
 
 #include "contact/shape.h"
+#include "dynamics/world.h"
+#include "intaglio/error.h"
 #include "intaglio/vec.h"
+#include "mesh/relief_mesh.h"
 
 namespace intaglio::dynamics {
 
 inline btVector3 to_bullet(const Vec3& v) {
-  return {static_cast<btScalar>(v.x()), static_cast<btScalar>(v.y()), static_cast<btScalar>(v.z())};
+  return {btScalar(v.x()), btScalar(v.y()), btScalar(v.z())};
 }
 inline Vec3 from_bullet(const btVector3& v) {
   return {v.x(), v.y(), v.z()};
@@ -26,30 +31,44 @@ inline Pose from_bullet(const btTransform& t) {
 }
 inline btTransform to_bullet(const Pose& pose) {
   const Quat& q = pose.orientation;
-  return btTransform(btQuaternion(static_cast<btScalar>(q.x()), static_cast<btScalar>(q.y()),
-                                  static_cast<btScalar>(q.z()), static_cast<btScalar>(q.w())),
+  return btTransform(btQuaternion(btScalar(q.x()), btScalar(q.y()), btScalar(q.z()), btScalar(q.w())),
                      to_bullet(pose.position));
 }
 
-// What Bullet's shapes are to contact/.
+// Sphere, box, cylinder and capsule along any axis, compound, convex hull; any other convex shape becomes the
+// hull of 42 of its support points. Contact is with the hull itself, without its collision margin. A hull of
+// more than contact::max_hull_points corners becomes one of so many, scaled to the same volume.
 //
-// Internal to dynamics/: includes Bullet.
+// Errors name the shape: neither convex nor a compound of convex ones, or a hull without volume. Cost:
+// nothing for a sphere or a box; milliseconds for the first pair of a hull, of which the latest are cached.
+Result<contact::Shape> from_bullet(const btCollisionShape& shape);
 
-// Sphere, box, cylinder and capsule along any axis, compound, convex hull; any other convex shape by the hull
-// of 42 of its support points. Collision margins of hulls are left out: contact is with the hull itself. A
-// shape that cannot be had is a sphere without size, which touches nothing. Cost: nothing for a sphere or a
-// box, milliseconds for a hull: keep the answer.
-contact::Shape from_bullet(const btCollisionShape& shape);
-
-// A Bullet shape with all that it is made of.
+// A Bullet shape and its children, owned.
 struct BulletShape {
-  std::vector<std::unique_ptr<btCollisionShape>> parts;  // the last is the whole
+  std::vector<std::unique_ptr<btCollisionShape>> parts;  // the last holds the others
 
-  btCollisionShape* whole() const { return parts.back().get(); }
+  btCollisionShape* root() const { return parts.back().get(); }
 };
 
-// The other way round, in the frame of a body that holds the shape at `pose`. Among each other, Bullet meets
-// concave meshes by their hulls.
+// In the frame of a body that holds the shape at `pose`. Bullet's own algorithms collide concave meshes by
+// their convex hulls; from_bullet() gives back exactly the hull or mesh that was given.
 BulletShape to_bullet(const contact::Shape& shape, const Pose& pose = {});
+
+// Textured bodies of a World.
+
+// Mass properties less the relief: a face removes its mean depth, a skin is integrated over its displaced
+// corners. Zero volume for an open skin.
+contact::MassProperties mass_properties(const ShapeBody& body);
+// Bounding radius about the origin, m.
+double reach(const ShapeBody& body);
+// The finest texel of its own textures, m; 0 without.
+double texel(const ShapeBody& body);
+
+// Its reliefs, round a box that is inset by their depth, in the frame of a body that holds the shape at
+// `shape_pose`. The faces come first, in their order: a child's index is that of its texture.
+BulletShape to_bullet(const ShapeBody& body, const Pose& shape_pose);
+
+// A curved base without its relief.
+surface::ReliefMesh flattened(const surface::ReliefMesh& relief);
 
 }  // namespace intaglio::dynamics

@@ -1,4 +1,5 @@
-// How contacts with a texture are found: what both the world and the Bullet shape can be told.
+// How contacts with a texture are found: options shared by World, which does without Bullet's headers, and
+// TexturedShape.
 #pragma once
 
 #include "intaglio/representation.h"

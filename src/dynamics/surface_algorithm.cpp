@@ -1,7 +1,11 @@
-// How Bullet's dispatcher meets a body with a TexturedShape.
+// The collision algorithm for any shape against a TexturedShape or CurvedShape, and its records.
+#include <BulletCollision/CollisionDispatch/btCompoundCollisionAlgorithm.h>
+#include <BulletCollision/CollisionDispatch/btConvexConvexAlgorithm.h>
+
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <cassert>
+#include <unordered_map>
 
 #include "dynamics/approach.h"
 #include "dynamics/bullet_shape.h"
@@ -12,7 +16,7 @@ namespace intaglio::dynamics {
 
 namespace {
 
-// What the pair's contacts share: Bullet's rules of combination.
+// Material coefficients of the pair, combined by Bullet's rules.
 btManifoldPoint combined(const btCollisionObject& body, const btCollisionObject& textured) {
   btManifoldPoint out{btVector3(0, 0, 0), btVector3(0, 0, 0), btVector3(0, 1, 0), 0};
   out.m_combinedFriction = btManifoldResult::calculateCombinedFriction(&body, &textured);
@@ -22,56 +26,73 @@ btManifoldPoint combined(const btCollisionObject& body, const btCollisionObject&
   return out;
 }
 
-// A feature's name is kept in the point's two numbers that belong to the textured body.
-void set_feature(btManifoldPoint& point, std::uint64_t feature) {
-  point.m_partId1 = static_cast<int>(static_cast<std::uint32_t>(feature >> 32));
-  point.m_index1 = static_cast<int>(static_cast<std::uint32_t>(feature));
-}
-bool has_feature(const btManifoldPoint& point, std::uint64_t feature) {
-  return static_cast<std::uint32_t>(point.m_partId1) == static_cast<std::uint32_t>(feature >> 32) &&
-         static_cast<std::uint32_t>(point.m_index1) == static_cast<std::uint32_t>(feature);
-}
-
-// The shape that a user's SurfaceShape stands for, or one of the world's own.
-const TouchableShape& touchable(const btCollisionShape& shape) {
-  const auto* users = dynamic_cast<const bullet::SurfaceShape*>(&shape);
-  return users != nullptr ? users->impl() : static_cast<const TouchableShape&>(shape);
-}
-
-// m/s^2, on what bounces.
 double gravity_of(const btCollisionObject& object) {
   const btRigidBody* body = btRigidBody::upcast(&object);
-  return body == nullptr ? 0 : static_cast<double>(body->getGravity().length());
+  return body == nullptr ? 0 : double(body->getGravity().length());
 }
+
+bool is_textured(const btCollisionShape& shape) {
+  return shape.getShapeType() == CUSTOM_CONCAVE_SHAPE_TYPE;
+}
+
+// The shape that a user's SurfaceShape holds, or one of the world's own.
+const TexturedShapeBase& textured_shape(const btCollisionShape& shape) {
+  const auto* users = dynamic_cast<const bullet::SurfaceShape*>(&shape);
+  return users != nullptr ? users->impl() : static_cast<const TexturedShapeBase&>(shape);
+}
+
+using Records = std::array<ContactRecord, contact::ContactSet::capacity>;
+
+}  // namespace
+
+struct ContactRecords::Table {
+  std::unordered_map<const btPersistentManifold*, const Records*> of;
+};
+
+namespace {
 
 class SurfaceAlgorithm : public btCollisionAlgorithm {
  public:
+  // `is_query`: for contactTest() and the like, which want points and no step.
   SurfaceAlgorithm(const btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper& body,
-                   const btCollisionObjectWrapper& textured, bool swapped, bool reports)
+                   const btCollisionObjectWrapper& textured, bool swapped, bool is_query,
+                   ContactRecords::Table* table)
       : btCollisionAlgorithm(info),
-        shape_(from_bullet(*body.getCollisionShape())),
+        records_(is_query ? nullptr : std::make_unique<Records>()),
+        table_(table),
         swapped_(swapped),
-        reports_(reports) {
-    if (body.getCollisionShape()->getShapeType() == CUSTOM_CONCAVE_SHAPE_TYPE)
-      relief_ = &touchable(*body.getCollisionShape());
+        is_query_(is_query) {
+    const btCollisionShape& shape = *body.getCollisionShape();
+    if (is_textured(shape)) {
+      relief_ = &textured_shape(shape);
+    } else if (const auto made = from_bullet(shape)) {
+      shape_ = *made;
+    } else {
+      textured_shape(*textured.getCollisionShape()).add_status(contact::status::no_size);
+      assert(!"a Bullet shape passes through textured ones: dynamics::check_shape() says why");
+    }
     add_manifold(*body.getCollisionObject(), *textured.getCollisionObject());
   }
   ~SurfaceAlgorithm() override {
-    for (std::size_t k = 0; k < manifold_count_; ++k) m_dispatcher->releaseManifold(manifolds_[k]);
+    for (std::size_t k = 0; k < manifold_count_; ++k) {
+      if (table_ != nullptr) table_->of.erase(manifolds_[k]);
+      m_dispatcher->releaseManifold(manifolds_[k]);
+    }
   }
 
   void processCollision(const btCollisionObjectWrapper* a, const btCollisionObjectWrapper* b,
                         const btDispatcherInfo& info, btManifoldResult* result) override {
     const btCollisionObjectWrapper& body = swapped_ ? *b : *a;
     const btCollisionObjectWrapper& textured = swapped_ ? *a : *b;
-    const TouchableShape& shape = touchable(*textured.getCollisionShape());
-    if (reports_) return report(shape, body, textured, *result);
-    const Approach approach(body, textured, static_cast<double>(info.m_timeStep));
+    const TexturedShapeBase& shape = textured_shape(*textured.getCollisionShape());
+    if (is_query_) return report(shape, body, textured, *result);
+    const Approach approach(body, textured, double(info.m_timeStep));
     const double slack = 0.01 * std::min(shape.texel(), approach.reach);
-    Ahead contacts;
+    ContactsAhead contacts;
     if (is_near(shape, approach)) contacts = contacts_of(shape, approach, slack);
-    if (relief_ != nullptr || (is_free(body) && is_free(textured))) leave_alone(contacts, slack);
-    fill(contacts, approach, slack, *body.getCollisionObject(), *textured.getCollisionObject(),
+    const Sites sites = sites_of(contacts, shape, approach, body.m_index, textured.m_index);
+    if (relief_ != nullptr || (is_free(body) && is_free(textured))) tolerate_overlap(contacts, slack);
+    fill(contacts, sites, approach, slack, *body.getCollisionObject(), *textured.getCollisionObject(),
          textured.getWorldTransform());
   }
 
@@ -85,26 +106,38 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
 
  private:
   static constexpr std::size_t per_manifold = MANIFOLD_CACHE_SIZE;
-  static constexpr std::size_t most_manifolds =
+  static constexpr std::size_t max_manifolds =
       (contact::ContactSet::capacity + per_manifold - 1) / per_manifold;
-  // Those of the step before.
+  // The points of the step before, as far as they carry over.
+  struct OldPoint {
+    std::uint64_t feature;
+    btScalar impulse;
+    int life_time;
+  };
   struct OldPoints {
-    std::array<btManifoldPoint, most_manifolds * per_manifold> points;
+    std::array<OldPoint, contact::ContactSet::capacity> points;
     std::size_t count = 0;
 
-    const btManifoldPoint* find(std::uint64_t feature) const {
+    const OldPoint* find(std::uint64_t feature) const {
       for (std::size_t k = 0; k < count; ++k)
-        if (has_feature(points[k], feature)) return &points[k];
+        if (points[k].feature == feature) return &points[k];
       return nullptr;
     }
   };
+  // The textures of body and textured shape at each contact.
+  struct Site {
+    std::optional<TextureSite> body, textured;
+  };
+  using Sites = std::array<Site, contact::ContactSet::capacity>;
 
-  // The body is A whatever the order of the pair, so that impulses always read as "on the body".
+  // The body is always A, so that impulses act on it.
   void add_manifold(const btCollisionObject& body, const btCollisionObject& textured) {
-    manifolds_[manifold_count_++] = m_dispatcher->getNewManifold(&body, &textured);
+    btPersistentManifold* added = m_dispatcher->getNewManifold(&body, &textured);
+    if (table_ != nullptr) table_->of[added] = records_.get();
+    manifolds_[manifold_count_++] = added;
   }
 
-  static bool is_near(const TouchableShape& shape, const Approach& approach) {
+  static bool is_near(const TexturedShapeBase& shape, const Approach& approach) {
     const double far = approach.reach + std::min(approach.travel(), shape.look_ahead()) + 1e-3;
     const Vec3 away = Vec3::Constant(far);
     return shape.is_near(to_bullet(Vec3(approach.pose.position - away)),
@@ -115,136 +148,189 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
     return !one.getCollisionObject()->isStaticOrKinematicObject();
   }
 
-  // Two reliefs that fit touch everywhere, and which points are told changes; and what undoing an overlap
-  // lifts falls back. Overlaps that nobody sees are not undone, or a pile trembles for ever.
-  void leave_alone(contact::ContactSet& contacts, double overlap) const {
+  // Matching reliefs touch in many places, and the reported points change from step to step. Correcting
+  // overlaps that nobody sees would lift and drop the bodies and make piles jitter: up to `overlap` is
+  // ignored.
+  void tolerate_overlap(contact::ContactSet& contacts, double overlap) const {
     if (relief_ != nullptr) overlap = std::min(overlap, 0.01 * relief_->texel());
     for (std::size_t k = 0; k < contacts.count; ++k)
       if (double& d = contacts.points[k].distance; d < 0) d = std::min(d + overlap, 0.0);
   }
 
-  Ahead contacts_of(const TouchableShape& shape, const Approach& approach, double slack) const {
+  ContactsAhead contacts_of(const TexturedShapeBase& shape, const Approach& approach, double slack) const {
     if (relief_ == nullptr) return contacts_ahead(shape, shape_, approach, slack);
-    return touch_of_reliefs(*relief_, approach.pose, shape,
-                            std::min(approach.travel() + slack, shape.texel()));
+    return relief_pair_contacts(*relief_, approach.pose, shape,
+                                std::min(approach.travel() + slack, shape.texel()));
   }
 
-  // For contactTest and its kin, who collect the points themselves. B is who is second in the manifold.
-  void report(const TouchableShape& shape, const btCollisionObjectWrapper& body,
+  Sites sites_of(const contact::ContactSet& contacts, const TexturedShapeBase& shape,
+                 const Approach& approach, int body_child, int textured_child) const {
+    Sites out;
+    for (std::size_t k = 0; k < contacts.count; ++k) {
+      const contact::ContactPoint& c = contacts.points[k];
+      out[k].textured = shape.site(c);
+      if (out[k].textured) out[k].textured->texture = std::max(textured_child, 0);
+      if (relief_ == nullptr) continue;
+      out[k].body = relief_->site_at(approach.pose.to_local(c.point + c.distance * c.normal));
+      if (out[k].body) out[k].body->texture = std::max(body_child, 0);
+    }
+    return out;
+  }
+
+  // contactTest() and similar queries collect points themselves; body B is the manifold's second.
+  void report(const TexturedShapeBase& shape, const btCollisionObjectWrapper& body,
               const btCollisionObjectWrapper& textured, btManifoldResult& result) const {
     result.setPersistentManifold(manifolds_[0]);
     const btTransform& frame = textured.getWorldTransform();
     const Pose pose = from_bullet(frame.inverseTimes(body.getWorldTransform()));
-    const auto margin = static_cast<double>(result.m_closestPointDistanceThreshold);
-    const contact::ContactSet found = relief_ != nullptr ? touch_of_reliefs(*relief_, pose, shape, margin)
+    const auto margin = double(result.m_closestPointDistanceThreshold);
+    const contact::ContactSet found = relief_ != nullptr ? relief_pair_contacts(*relief_, pose, shape, margin)
                                                          : shape.contacts(shape_, pose, margin);
     for (const contact::ContactPoint& c : found) {
       const btVector3 normal = frame.getBasis() * to_bullet(c.normal);
       const btVector3 on_surface = frame(to_bullet(c.point));
-      const auto distance = static_cast<btScalar>(c.distance);
-      result.addContactPoint(normal, on_surface, distance);
+      result.addContactPoint(normal, on_surface, btScalar(c.distance));
     }
   }
 
-  // Rebuilt each step, or Bullet's cached points would keep stale normals; impulses stay with their feature.
-  void fill(const Ahead& contacts, const Approach& approach, double slack, const btCollisionObject& body,
-            const btCollisionObject& textured, const btTransform& frame) {
+  // Rebuilt each step, as Bullet's cached points would keep stale normals; impulses stay with their feature.
+  void fill(const ContactsAhead& contacts, const Sites& sites, const Approach& approach, double slack,
+            const btCollisionObject& body, const btCollisionObject& textured, const btTransform& frame) {
     const OldPoints old = old_points();
     btManifoldPoint point = combined(body, textured);
-    const Meetings met = meetings(contacts, approach, static_cast<double>(point.m_combinedRestitution),
-                                  least_bounce(gravity_of(body), approach.dt), slack);
+    const PlannedContacts plan = plan_contacts(contacts, approach, double(point.m_combinedRestitution),
+                                               min_bounce_speed(gravity_of(body), approach.dt), slack);
     std::size_t count = 0;
     for (std::size_t k = 0; k < contacts.count; ++k) {
       const contact::ContactPoint& c = contacts.points[k];
-      const btManifoldPoint* before = old.find(c.feature);
-      // What was not there a step ago cannot be deeper than the body has come since.
+      const OldPoint* before = old.find(c.feature);
+      // A new contact cannot be deeper than the body moved in this step.
       const bool is_new = before == nullptr && old.count > 0 && contacts.count > 1;
-      if (is_new && met[k].distance < -(approach.travel() + 0.02 * approach.reach)) continue;
-      if (met[k].waits) continue;
-      point.m_combinedRestitution = static_cast<btScalar>(met[k].restitution);
+      if (is_new && plan[k].distance < -(approach.travel() + 0.02 * approach.reach)) continue;
+      if (plan[k].is_deferred) continue;
+      point.m_combinedRestitution = btScalar(plan[k].restitution);
       point.m_normalWorldOnB = frame.getBasis() * to_bullet(c.normal);
       point.m_positionWorldOnB = frame(to_bullet(c.point));
-      point.m_distance1 = static_cast<btScalar>(met[k].distance);
+      point.m_distance1 = btScalar(plan[k].distance);
       point.m_positionWorldOnA = point.m_positionWorldOnB + point.m_normalWorldOnB * point.m_distance1;
       point.m_localPointA = body.getWorldTransform().invXform(point.m_positionWorldOnA);
       point.m_localPointB = textured.getWorldTransform().invXform(point.m_positionWorldOnB);
-      set_feature(point, c.feature);
-      point.m_appliedImpulse = before ? before->m_appliedImpulse : 0;
-      point.m_lifeTime = before ? before->m_lifeTime + 1 : 0;
-      const bool was_pressed = before && before->m_appliedImpulse > 0;
-      set_touch(point, was_pressed && c.distance <= slack ? std::nullopt : met[k].touch);
+      point.m_appliedImpulse = before ? before->impulse : 0;
+      point.m_lifeTime = before ? before->life_time + 1 : 0;
+      const bool was_pressed = before && before->impulse > 0;
+      const bool goes_on = was_pressed && c.distance <= slack;
+      (*records_)[count] = {c.feature, goes_on ? std::nullopt : plan[k].touch_time, sites[k].body,
+                            sites[k].textured};
       place(point, count++, body, textured);
     }
     for (std::size_t m = 0; m < manifold_count_; ++m)
-      manifolds_[m]->setNumContacts(
-          static_cast<int>(std::min(count - std::min(count, m * per_manifold), per_manifold)));
-    tell(old.count, count);
+      manifolds_[m]->setNumContacts(int(std::min(count - std::min(count, m * per_manifold), per_manifold)));
+    notify_listeners(old.count, count);
   }
 
   OldPoints old_points() const {
     OldPoints old;
     for (std::size_t m = 0; m < manifold_count_; ++m) {
-      for (int k = 0; k < manifolds_[m]->getNumContacts(); ++k)
-        old.points[old.count++] = manifolds_[m]->getContactPoint(k);
+      for (int k = 0; k < manifolds_[m]->getNumContacts(); ++k) {
+        const btManifoldPoint& point = manifolds_[m]->getContactPoint(k);
+        const std::uint64_t feature = (*records_)[std::size_t(point.m_index1)].feature;
+        old.points[old.count++] = {feature, point.m_appliedImpulse, point.m_lifeTime};
+      }
     }
     return old;
   }
 
-  // As the `k`-th of the pair.
-  void place(const btManifoldPoint& point, std::size_t k, const btCollisionObject& body,
+  // As point `k` of the pair. Bullet's compounds drop points and move others into their places, so the point
+  // itself names its record, by the number that Bullet has for the part of a shape that is touched.
+  void place(btManifoldPoint& point, std::size_t k, const btCollisionObject& body,
              const btCollisionObject& textured) {
     const std::size_t m = k / per_manifold, at = k % per_manifold;
     if (m == manifold_count_) add_manifold(body, textured);
-    manifolds_[m]->setNumContacts(static_cast<int>(at) + 1);
-    manifolds_[m]->getContactPoint(static_cast<int>(at)) = point;
+    point.m_index1 = int(k);
+    manifolds_[m]->setNumContacts(int(at) + 1);
+    manifolds_[m]->getContactPoint(int(at)) = point;
   }
 
-  // Bullet's listeners, as its own algorithms tell them.
-  void tell(std::size_t before, std::size_t after) const {
+  // Calls Bullet's contact callbacks as its own algorithms do.
+  void notify_listeners(std::size_t before, std::size_t after) const {
     if (before == 0 && after > 0 && gContactStartedCallback != nullptr)
       gContactStartedCallback(manifolds_[0]);
     if (before > 0 && after == 0 && gContactEndedCallback != nullptr) gContactEndedCallback(manifolds_[0]);
   }
 
-  std::array<btPersistentManifold*, most_manifolds> manifolds_{};
+  std::array<btPersistentManifold*, max_manifolds> manifolds_{};
   std::size_t manifold_count_ = 0;
-  const TouchableShape* relief_ = nullptr;  // of the body, when it is textured itself
-  contact::Shape shape_;                    // of the body; Bullet makes a new algorithm when it changes
-  bool swapped_, reports_;
+  const TexturedShapeBase* relief_ = nullptr;  // of the body, when it is textured itself
+  contact::Shape shape_;  // of the body otherwise; Bullet makes a new algorithm when it changes
+  std::unique_ptr<Records> records_;
+  ContactRecords::Table* table_;
+  bool swapped_, is_query_;
 };
 
-struct CreateSurface : btCollisionAlgorithmCreateFunc {
-  CreateSurface(bool swapped, bool reports) : reports_(reports) { m_swapped = swapped; }
-  btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
-                                                 const btCollisionObjectWrapper* a,
-                                                 const btCollisionObjectWrapper* b) override {
-    void* memory = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(SurfaceAlgorithm));
-    // Of two textured ones the body is the one that moves.
-    const auto is_textured = [](const btCollisionObjectWrapper& o) {
-      return o.getCollisionShape()->getShapeType() == CUSTOM_CONCAVE_SHAPE_TYPE;
-    };
-    const bool turned =
-        is_textured(*a) && is_textured(*b) && a->getCollisionObject()->isStaticOrKinematicObject();
-    const bool swapped = m_swapped || turned;
-    return new (memory) SurfaceAlgorithm(info, swapped ? *b : *a, swapped ? *a : *b, swapped, reports_);
-  }
-  bool reports_;
-};
+// Bullet's allocator of algorithms has room for its own and checks sizes in debug builds only.
+static_assert(sizeof(SurfaceAlgorithm) <=
+              std::max(sizeof(btConvexConvexAlgorithm), sizeof(btCompoundCollisionAlgorithm)));
 
 }  // namespace
 
-void register_algorithms(btCollisionDispatcher& dispatcher) {
-  static CreateSurface body_first(false, false), surface_first(true, false);
-  static CreateSurface reports_body_first(false, true), reports_surface_first(true, true);
-  for (int type = 0; type < MAX_BROADPHASE_COLLISION_TYPES; ++type) {
-    // Compounds come apart in Bullet's own algorithm, which then asks for each child.
-    if (btBroadphaseProxy::isCompound(type) || btBroadphaseProxy::isSoftBody(type)) continue;
-    dispatcher.registerCollisionCreateFunc(type, CUSTOM_CONCAVE_SHAPE_TYPE, &body_first);
-    dispatcher.registerClosestPointsCreateFunc(type, CUSTOM_CONCAVE_SHAPE_TYPE, &reports_body_first);
-    if (type == CUSTOM_CONCAVE_SHAPE_TYPE) continue;
-    dispatcher.registerCollisionCreateFunc(CUSTOM_CONCAVE_SHAPE_TYPE, type, &surface_first);
-    dispatcher.registerClosestPointsCreateFunc(CUSTOM_CONCAVE_SHAPE_TYPE, type, &reports_surface_first);
+struct ContactRecords::Algorithms {
+  struct CreateSurface : btCollisionAlgorithmCreateFunc {
+    CreateSurface(bool swapped, bool is_query, ContactRecords::Table* table)
+        : is_query_(is_query), table_(table) {
+      m_swapped = swapped;
+    }
+    btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,
+                                                   const btCollisionObjectWrapper* a,
+                                                   const btCollisionObjectWrapper* b) override {
+      void* memory = info.m_dispatcher1->allocateCollisionAlgorithm(sizeof(SurfaceAlgorithm));
+      // If both are textured, the moving one is the body.
+      const bool is_turned = is_textured(*a->getCollisionShape()) && is_textured(*b->getCollisionShape()) &&
+                             a->getCollisionObject()->isStaticOrKinematicObject();
+      const bool swapped = m_swapped || is_turned;
+      return new (memory)
+          SurfaceAlgorithm(info, swapped ? *b : *a, swapped ? *a : *b, swapped, is_query_, table_);
+    }
+    bool is_query_;
+    ContactRecords::Table* table_;
+  };
+
+  CreateSurface body_first, surface_first, query_body_first, query_surface_first;
+
+  explicit Algorithms(Table* table)
+      : body_first(false, false, table),
+        surface_first(true, false, table),
+        query_body_first(false, true, nullptr),
+        query_surface_first(true, true, nullptr) {}
+
+  void register_in(btCollisionDispatcher& dispatcher) {
+    for (int type = 0; type < MAX_BROADPHASE_COLLISION_TYPES; ++type) {
+      // Bullet's compound algorithm dispatches each child separately.
+      if (btBroadphaseProxy::isCompound(type) || btBroadphaseProxy::isSoftBody(type)) continue;
+      dispatcher.registerCollisionCreateFunc(type, CUSTOM_CONCAVE_SHAPE_TYPE, &body_first);
+      dispatcher.registerClosestPointsCreateFunc(type, CUSTOM_CONCAVE_SHAPE_TYPE, &query_body_first);
+      if (type == CUSTOM_CONCAVE_SHAPE_TYPE) continue;
+      dispatcher.registerCollisionCreateFunc(CUSTOM_CONCAVE_SHAPE_TYPE, type, &surface_first);
+      dispatcher.registerClosestPointsCreateFunc(CUSTOM_CONCAVE_SHAPE_TYPE, type, &query_surface_first);
+    }
   }
+};
+
+void register_algorithms(btCollisionDispatcher& dispatcher) {
+  static ContactRecords::Algorithms algorithms(nullptr);
+  algorithms.register_in(dispatcher);
+}
+
+ContactRecords::ContactRecords(btCollisionDispatcher& dispatcher)
+    : table_(std::make_unique<Table>()), algorithms_(std::make_unique<Algorithms>(table_.get())) {
+  algorithms_->register_in(dispatcher);
+}
+
+ContactRecords::~ContactRecords() = default;
+
+const ContactRecord* ContactRecords::find(const btPersistentManifold& manifold,
+                                          const btManifoldPoint& point) const {
+  const auto found = table_->of.find(&manifold);
+  return found == table_->of.end() ? nullptr : &(*found->second)[std::size_t(point.m_index1)];
 }
 
 }  // namespace intaglio::dynamics

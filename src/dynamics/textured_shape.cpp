@@ -15,13 +15,17 @@ namespace intaglio::dynamics {
 
 namespace {
 
-// The same contacts with the roles changed, in the frame of the other, which is at `pose` in this one.
-contact::ContactSet turned_round(contact::ContactSet set, const Pose& pose) {
+// The same contacts as seen from the other shape, which is at `pose` in this one's frame.
+contact::ContactSet swap_roles(contact::ContactSet set, const Pose& pose, const CurvedShape& other) {
   for (std::size_t k = 0; k < set.count; ++k) {
     contact::ContactPoint& c = set.points[k];
     c.point = pose.to_local(c.point + c.distance * c.normal);
     c.normal = pose.orientation.conjugate() * -c.normal;
-    c.n_s = c.normal;
+    const TextureSite site = other.site_at(c.point).value_or(TextureSite{0, Vec2::Zero(), c.normal});
+    c.uv = site.uv;
+    c.n_s = site.n_s;
+    c.triangle = site.triangle;
+    c.weights = site.weights;
   }
   return set;
 }
@@ -32,7 +36,14 @@ Pose inverse(const Pose& pose) {
 
 }  // namespace
 
-contact::ContactSet TouchableShape::within_thickness(contact::ContactSet set) const {
+std::optional<TextureSite> site_under(const surface::ReliefMesh& relief, const Vec3& point, double reach) {
+  const auto base = relief.base().closest(point, reach);
+  if (!base) return std::nullopt;
+  const Vec3 n_s = base->direction_to_world(relief.surface().normal(base->uv));
+  return TextureSite{0, base->uv, n_s, base->triangle, base->weights};
+}
+
+contact::ContactSet TexturedShapeBase::within_thickness(contact::ContactSet set) const {
   std::size_t kept = 0;
   for (std::size_t k = 0; k < set.count; ++k)
     if (set.points[k].distance >= -thickness_) set.points[kept++] = set.points[k];
@@ -40,20 +51,19 @@ contact::ContactSet TouchableShape::within_thickness(contact::ContactSet set) co
   return set;
 }
 
-contact::ContactSet touch_of_reliefs(const TouchableShape& body, const Pose& pose,
-                                     const TouchableShape& ground, double margin) {
+contact::ContactSet relief_pair_contacts(const TexturedShapeBase& body, const Pose& pose,
+                                         const TexturedShapeBase& ground, double margin) {
   const auto* flat_body = dynamic_cast<const TexturedShape*>(&body);
   const auto* flat_ground = dynamic_cast<const TexturedShape*>(&ground);
   const auto* curved_body = dynamic_cast<const CurvedShape*>(&body);
   const auto* curved_ground = dynamic_cast<const CurvedShape*>(&ground);
   if (flat_body && flat_ground) {
-    // Faces that look the same way are back to front, as near as they may be.
+    // Faces with the same orientation cannot touch.
     const Vec3 up = pose.orientation * flat_body->relief().placement().n();
     if (up.dot(flat_ground->relief().placement().n()) > 0.5) return {};
     return contact::relief_relief_contacts({flat_body->relief(), pose}, {flat_ground->relief(), {}}, margin);
   }
-  // Of a curved body many pieces are nearly as low as the lowest: what is farther ahead is found when it is
-  // nearer.
+  // Many pieces of a curved body are nearly as low as the lowest; a smaller margin keeps the query bounded.
   margin = std::min(margin, 0.3 * std::min(body.texel(), ground.texel()));
   if (curved_body && flat_ground)
     return body.within_thickness(contact::curved_on_relief(curved_body->relief(), pose, flat_ground->relief(),
@@ -61,12 +71,12 @@ contact::ContactSet touch_of_reliefs(const TouchableShape& body, const Pose& pos
   if (flat_body && curved_ground) {
     const Pose back = inverse(pose);
     return ground.within_thickness(
-        turned_round(contact::curved_on_relief(curved_ground->relief(), back, flat_body->relief(), margin,
-                                               body.thickness()),
-                     back));
+        swap_roles(contact::curved_on_relief(curved_ground->relief(), back, flat_body->relief(), margin,
+                                             body.thickness()),
+                   back, *curved_ground));
   }
   if (curved_body && curved_ground) {
-    // So deep that nothing falls through from step to step, and not so deep that all of a small body is in.
+    // Deep enough to prevent tunnelling, shallow enough not to enclose a small body.
     const double size = curved_body->relief().bounds().sizes().minCoeff();
     const double depth = std::min({0.25 * size, body.thickness(), ground.thickness()});
     return contact::curved_on_curved(curved_body->relief(), pose, curved_ground->relief(), margin, depth);
@@ -76,7 +86,7 @@ contact::ContactSet touch_of_reliefs(const TouchableShape& body, const Pose& pos
 
 TexturedShape::TexturedShape(std::shared_ptr<const surface::Surface> surface, const ContactOptions& options,
                              double thickness)
-    : TouchableShape(thickness), surface_(std::move(surface)), relief_(surface_), options_(options) {
+    : TexturedShapeBase(thickness), surface_(std::move(surface)), relief_(surface_), options_(options) {
   if (options_.representation == Representation::normal && options_.normal_method == NormalMethod::implied) {
     const surface::ImpliedRelief implied = implied_relief(*surface_);
     relief_ = implied.surface;
@@ -102,11 +112,23 @@ contact::ContactSet TexturedShape::contacts(const contact::Shape& body, const Po
 
 contact::ContactSet TexturedShape::all_contacts(const contact::Shape& body, const Pose& pose,
                                                 double margin) const {
-  if (options_.representation == Representation::flat) return contact::flat_contacts(*surface_, body, pose, margin);
+  if (options_.representation == Representation::flat)
+    return contact::flat_contacts(*surface_, body, pose, margin);
   if (options_.representation == Representation::normal && options_.normal_method == NormalMethod::literal)
     return contact::normal_map_contacts(*surface_, body, pose, margin);
-  return options_.method == ContactMethod::closest ? contact::relief_contacts(*relief_, body, pose, margin)
-                                                   : contact::directional_contacts(*relief_, body, pose, margin);
+  return options_.method == ContactMethod::closest
+             ? contact::relief_contacts(*relief_, body, pose, margin)
+             : contact::directional_contacts(*relief_, body, pose, margin);
+}
+
+std::optional<TextureSite> TexturedShape::site(const contact::ContactPoint& c) const {
+  return TextureSite{0, c.uv, relief_ == surface_ ? c.n_s : surface_->world_normal(c.uv)};
+}
+
+std::optional<TextureSite> TexturedShape::site_at(const Vec3& point) const {
+  const surface::Placement& place = surface_->placement();
+  const Vec2 uv = place.uv(place.to_local(point)).cwiseMax(0).cwiseMin(1);
+  return TextureSite{0, uv, surface_->world_normal(uv)};
 }
 
 void TexturedShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const {
@@ -129,7 +151,7 @@ void TexturedShape::processAllTriangles(btTriangleCallback* callback, const btVe
         {corner & 1 ? low.x() : high.x(), corner & 2 ? low.y() : high.y(), corner & 4 ? low.z() : high.z()}));
   }
   const auto cell = [](double x, double texel, int count) {
-    return static_cast<int>(std::clamp(std::floor(x / texel - 0.5), -1.0, count - 1.0));
+    return int(std::clamp(std::floor(x / texel - 0.5), -1.0, count - 1.0));
   };
   const int i0 = cell(box.min().x(), relief_->texel_u(), relief_->width()),
             i1 = cell(box.max().x(), relief_->texel_u(), relief_->width());
@@ -160,7 +182,7 @@ std::array<Vec3, 3> corners_of(const surface::ReliefMesh& relief, int triangle) 
 }  // namespace
 
 CurvedShape::CurvedShape(surface::ReliefMesh relief, double thickness)
-    : TouchableShape(thickness), relief_(std::move(relief)) {
+    : TexturedShapeBase(thickness), relief_(std::move(relief)) {
   const surface::Box bounds = relief_.bounds();
   look_ahead_ = 0.25 * bounds.sizes().maxCoeff();
   low_ = to_bullet(Vec3(bounds.min()));
@@ -171,9 +193,19 @@ contact::ContactSet CurvedShape::contacts(const contact::Shape& body, const Pose
   return within_thickness(contact::curved_contacts(relief_, body, pose, margin));
 }
 
-contact::MassProperties CurvedShape::enclosed() const {
+std::optional<TextureSite> CurvedShape::site(const contact::ContactPoint& c) const {
+  if (c.triangle < 0) return std::nullopt;
+  return TextureSite{0, c.uv, c.n_s, c.triangle, c.weights};
+}
+
+std::optional<TextureSite> CurvedShape::site_at(const Vec3& point) const {
+  const double rounding = 1e-6 * relief_.bounds().sizes().maxCoeff();
+  return site_under(relief_, point, relief_.surface().max_depth() + rounding);
+}
+
+contact::MassProperties CurvedShape::mass_properties() const {
   contact::EnclosedMass sum;
-  const auto count = static_cast<int>(relief_.base().mesh().triangles.size());
+  const auto count = int(relief_.base().mesh().triangles.size());
   for (int k = 0; k < count; ++k) {
     const auto [a, b, c] = corners_of(relief_, k);
     sum.add(a, b, c);
@@ -184,15 +216,15 @@ contact::MassProperties CurvedShape::enclosed() const {
 }
 
 void CurvedShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const {
-  const contact::MassProperties whole = enclosed();
-  if (whole.volume > 0) {
-    const Vec3 shift = whole.centre;
+  const contact::MassProperties solid = mass_properties();
+  if (solid.volume > 0) {
+    const Vec3 shift = solid.centre;
     const Vec3 about =
-        whole.inertia.diagonal() / whole.volume + Vec3::Constant(shift.squaredNorm()) - shift.cwiseAbs2();
-    inertia = to_bullet(Vec3(static_cast<double>(mass) * about));
+        solid.inertia.diagonal() / solid.volume + Vec3::Constant(shift.squaredNorm()) - shift.cwiseAbs2();
+    inertia = to_bullet(Vec3(double(mass) * about));
     return;
   }
-  const Vec3 squares = relief_.bounds().sizes().cwiseAbs2() * static_cast<double>(mass) / 12;
+  const Vec3 squares = relief_.bounds().sizes().cwiseAbs2() * double(mass) / 12;
   inertia = to_bullet(Vec3(squares.y() + squares.z(), squares.x() + squares.z(), squares.x() + squares.y()));
 }
 

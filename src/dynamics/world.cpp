@@ -13,17 +13,16 @@ namespace intaglio::dynamics {
 
 World::State::State(std::unique_ptr<Ground> made, const Material& material, const WorldOptions& o)
     : options(o), floor(std::move(made)) {
-  register_algorithms(dispatcher);
   if (const TexturedShape* flat = floor->flat(); flat && &flat->relief() != floor->surface.get())
     drawn.emplace(*floor->surface, flat->relief(), flat->mean_slope());
   world.setGravity(to_bullet(options.gravity));
   btContactSolverInfo& info = world.getSolverInfo();
   info.m_numIterations = 30;
-  // Penetration is undone by moving bodies, never by pushing them: a push is energy from nowhere.
+  // Penetration is corrected by moving bodies: velocity corrections add energy.
   info.m_splitImpulse = 1;
   info.m_splitImpulsePenetrationThreshold = 0;
   floor_rolling_resistance = material.rolling_resistance;
-  floor->rigid.setUserIndex(static_cast<int>(floor_body));
+  floor->rigid.setUserIndex(int(floor_body));
   world.addRigidBody(&floor->rigid);
 }
 
@@ -46,26 +45,25 @@ World::World(std::shared_ptr<const surface::Surface> floor, const Material& floo
                                   floor_material, options)) {}
 
 World::World(const surface::ReliefMesh& floor, const Material& floor_material, const WorldOptions& options)
-    : state_(std::make_unique<State>(
-          std::make_unique<State::Ground>(floor, floor_material, options, TouchableShape::solid),
-          floor_material, options)) {}
+    : state_(std::make_unique<State>(std::make_unique<State::Ground>(floor, floor_material, options,
+                                                                     TexturedShapeBase::unlimited_thickness),
+                                     floor_material, options)) {}
 
 World::~World() = default;
 World::World(World&&) noexcept = default;
 
-// So many that no body moves farther in one than two texels, or a part of its own size where texels are
-// small.
+// Enough substeps that no body moves farther in one than a texel (or 7.5 % of its size if that is larger).
 int World::State::substeps() const {
-  double most = 1;
+  double count = 1;
   for (const Body& body : bodies) {
     if (!body.is_moving()) continue;
     const double speed =
-        static_cast<double>(body.rigid->getLinearVelocity().length()) + options.gravity.norm() * options.step;
+        double(body.rigid->getLinearVelocity().length()) + options.gravity.norm() * options.step;
     const double texel = body.texel > 0 ? std::min(body.texel, floor->shape->texel()) : floor->shape->texel();
     const double stride = std::min(body.reach, std::max(texel, 0.075 * body.reach));
-    most = std::max(most, std::ceil(speed * options.step / stride));
+    count = std::max(count, std::ceil(speed * options.step / stride));
   }
-  return static_cast<int>(std::min(most, static_cast<double>(options.most_substeps)));
+  return int(std::min(count, double(options.most_substeps)));
 }
 
 void World::step() {
@@ -78,40 +76,40 @@ void World::step() {
     s.drive(1.0 / (count - k));
     s.advance(dt);
   }
-  s.time = static_cast<double>(++s.steps) * s.options.step;
+  s.time = double(++s.steps) * s.options.step;
 }
 
 void World::State::drive(double share) {
   for (Body& body : bodies) {
-    if (!body.goal) continue;
-    const Pose from = from_bullet(body.rigid->getWorldTransform()), to = from_bullet(*body.goal);
+    if (!body.target) continue;
+    const Pose from = from_bullet(body.rigid->getWorldTransform()), to = from_bullet(*body.target);
     const bool arrives = share == 1;
     // Bullet takes the speed of a kinematic body from where it was a step ago.
     body.rigid->setWorldTransform(arrives
-                                      ? *body.goal
+                                      ? *body.target
                                       : to_bullet(Pose{from.position + share * (to.position - from.position),
                                                        between(from.orientation, to.orientation, share)}));
-    if (arrives) body.goal.reset();
+    if (arrives) body.target.reset();
   }
 }
 
 void World::State::advance(double dt) {
   for (Body& body : bodies) {
     if (body.motion != Motion::free) continue;
-    slow(body);
+    limit_speed(body);
     body.velocity_before = from_bullet(body.rigid->getLinearVelocity());
     body.energy_before = energy(*body.rigid);
     body.was_awake = body.rigid->isActive();
   }
   world.getSolverInfo().m_restitutionVelocityThreshold =
-      static_cast<btScalar>(least_seen(least_bounce(options.gravity.norm(), dt)));
-  world.stepSimulation(static_cast<btScalar>(dt), 0);
+      btScalar(min_solver_speed(min_bounce_speed(options.gravity.norm(), dt)));
+  world.stepSimulation(btScalar(dt), 0);
   time += dt;
   collect(dt);
   for (Body& body : bodies) {
     if (body.motion != Motion::free) continue;
-    pay_for_lift(body);
-    look_after(body);
+    remove_lift_energy(body);
+    update_status(body);
   }
   audit(dt);
 }
@@ -153,8 +151,7 @@ void World::push(BodyId body, const Vec3& impulse, const Vec3& point) {
 void World::drive(BodyId body, const Pose& pose) {
   State::Body& driven = state_->body(body);
   if (driven.motion != Motion::driven || !driven.is_simulated()) return;
-  const Quat axes = pose.orientation * driven.held.orientation.conjugate();
-  driven.goal = to_bullet(Pose{pose.position - axes * driven.held.position, axes});
+  driven.target = driven.rigid_transform(pose);
 }
 unsigned World::status(BodyId body) const {
   return state_->body(body).status;
@@ -163,42 +160,36 @@ double World::momentum_residual() const {
   return state_->momentum_residual;
 }
 
-// No energy from nowhere: what undoing a penetration lifts.
-
-namespace {
-
-// Of a body's height, that a lift may be and not be a rescue.
-constexpr double hair = 2e-3;
-
-}  // namespace
-
 // Kinetic and potential, J.
 double World::State::energy(const btRigidBody& body) const {
-  const double mass = 1 / static_cast<double>(body.getInvMass());
+  const double mass = 1 / double(body.getInvMass());
   const btVector3 spin = body.getAngularVelocity();
-  return 0.5 * mass * static_cast<double>(body.getLinearVelocity().length2()) +
-         0.5 * static_cast<double>(spin.dot(body.getInvInertiaTensorWorld().inverse() * spin)) -
+  return 0.5 * mass * double(body.getLinearVelocity().length2()) +
+         0.5 * double(spin.dot(body.getInvInertiaTensorWorld().inverse() * spin)) -
          mass * options.gravity.dot(from_bullet(body.getWorldTransform().getOrigin()));
 }
 
-// Undoing a penetration lifts a body, and what only the fixed floor touches cannot gain energy: the lift is
-// paid for out of its motion, through the contact that lifted it.
-void World::State::pay_for_lift(Body& body) {
-  if (!body.on_ground || body.met_another || is_literal()) return;
+// Correcting a penetration lifts a body, and a body that only touches fixed ground cannot gain energy. The
+// energy of the lift is taken from its motion, through the contact that lifted it: with the velocity times
+// sqrt(1 - gained / kinetic), kinetic energy is less by just that.
+void World::State::remove_lift_energy(Body& body) {
+  if (!body.touched_ground || body.touched_body || is_literal()) return;
+  constexpr double lift_tolerance = 2e-3;  // of the body's reach; higher lifts are a rescue
   const double gained = energy(*body.rigid) - body.energy_before;
-  const double mass = 1 / static_cast<double>(body.rigid->getInvMass());
+  const double mass = 1 / double(body.rigid->getInvMass());
   const double kinetic = energy(*body.rigid) +
                          mass * options.gravity.dot(from_bullet(body.rigid->getWorldTransform().getOrigin()));
   if (gained <= 0) return;
-  // Who cannot pay is not lifted, and goes on overlapping by a hair; but a body that is deep in is rescued.
-  if (gained > kinetic && gained < mass * options.gravity.norm() * hair * body.reach)
+  // If the kinetic energy does not cover a small lift, undo it and accept the overlap; deep overlaps are
+  // still corrected.
+  if (gained > kinetic && gained < mass * options.gravity.norm() * lift_tolerance * body.reach)
     body.rigid->setCenterOfMassTransform(body.last_good);
   const double kept = kinetic > gained ? std::sqrt(1 - gained / kinetic) : 0;
   const Vec3 velocity = from_bullet(body.rigid->getLinearVelocity());
   const Vec3 impulse = mass * (kept - 1) * velocity;
   body.rigid->setLinearVelocity(to_bullet(kept * velocity));
-  body.rigid->setAngularVelocity(body.rigid->getAngularVelocity() * static_cast<btScalar>(kept));
-  body.gained += impulse;
+  body.rigid->setAngularVelocity(body.rigid->getAngularVelocity() * btScalar(kept));
+  body.reported_impulse += impulse;
   const auto own = std::find_if(events.rbegin(), events.rend(),
                                 [&](const ContactEvent& e) { return e.body == id(*body.rigid); });
   if (own != events.rend()) own->impulse += impulse;

@@ -1,11 +1,11 @@
-// Rigid bodies on textured surfaces: a Bullet world whose contacts come from the textures, of the floor and
+// Rigid bodies on textured surfaces: a Bullet world whose contacts come from the textures of the floor, of
 // other ground, flat or on a curved base, and of bodies.
 //
-// Fixed steps, deterministic: the same bodies and steps give the same motion. Not thread-safe; one thread at
-// a time. Cost of a step: about 3 us a body for Bullet itself, plus the contact query of its representation
+// Fixed steps, deterministic: the same bodies and steps give the same motion. One thread at a time. A step
+// costs about 3 us a body for Bullet itself, plus the contact query of the representation
 // (docs/contact-bench.md). Bullet computes in 32-bit floats: keep the scene within some metres of the origin.
-// A body that moves farther than a texel in a step makes the world take smaller ones inside. Curved bases and
-// bodies have their relief in the representation `relief`; in the others they are bare.
+// A step in which a body moves farther than a texel is divided into substeps. Curved grounds and textured
+// bodies have their relief in the representation `relief` only; in the others bodies collide without it.
 #pragma once
 
 #include <limits>
@@ -33,14 +33,14 @@ struct WorldOptions {
   NormalMethod normal_method = NormalMethod::implied;
   bool bodies_collide = true;  // with each other
   int most_substeps = 8;       // of one step, when bodies are fast
-  bool report_pairs = false;   // events of bodies without texture that touch each other too
+  bool report_pairs = false;   // emit events of pairs of bodies without texture, too
 };
 
-// How a body comes to move.
+// How a body moves.
 enum class Motion {
-  free,    // by what acts on it
+  free,    // dynamic
   fixed,   // never: a post, a wall
-  driven,  // as World::drive says, whatever it meets: a flipper
+  driven,  // kinematic, follows World::drive(): a flipper
 };
 
 struct SphereBody {
@@ -53,14 +53,14 @@ struct SphereBody {
   double mass() const;  // kg, solid
 };
 
-// A solid body of any shape that contact/ knows, of even density. `pose` is that of the shape's frame,
-// wherever its centre of mass is; the velocity is that of the centre of mass.
+// A solid body of any contact::Shape, of uniform density. `pose` is that of the shape's frame, wherever its
+// centre of mass is; the velocity is that of the centre of mass.
 //
-// A textured body has reliefs in the shape's frame: `faces` are rectangles on the sides of a Box, their
-// relief goes into it; a `skin` is met in place of the shape, which is then what it is without relief. Where
-// Bullet's own shapes meet such a body they meet its relief; two reliefs meet as TexturedShape and
-// CurvedShape do; curved on curved costs some 100 ms a touching pair and step (docs/curved.md). What of a
-// face is deeper in than its relief and a texel is the box's matter.
+// A textured body has reliefs in the shape's frame: `faces` are rectangles on the sides of a Box, with the
+// relief cut into it; a `skin` replaces the shape, which is then its base without relief. Other bodies touch
+// the relief; two reliefs touch as TexturedShape and CurvedShape do; curved on curved costs some 100 ms a
+// touching pair and step (docs/curved.md). Anything deeper than a face's relief plus one texel collides with
+// the box.
 struct ShapeBody {
   contact::Shape shape;
   std::vector<std::shared_ptr<const surface::Surface>> faces;
@@ -74,16 +74,15 @@ struct ShapeBody {
   double mass() const;  // kg
 };
 
-// What World::status adds to the bits of contact::status (contact/contact_point.h).
-inline constexpr unsigned not_simulated = 1u
-                                          << 16;  // it stays where it was put: no size, not finite, or lost
-inline constexpr unsigned slowed = 1u << 17;      // it was faster than contacts can be foreseen
+// Bits of World::status() beside those of contact::status (contact/contact_point.h).
+inline constexpr unsigned not_simulated = 0x10000;  // stays where it was put: no size, not finite, or lost
+inline constexpr unsigned slowed = 0x20000;         // its speed was limited to what contacts can be found for
 
 class World {
  public:
   World(std::shared_ptr<const surface::Surface> floor, const Material& floor_material,
         const WorldOptions& options);
-  // On a curved floor, in world coordinates: a bowl, a pipe. The relief is what is below its base.
+  // On a curved floor, in world coordinates: a bowl, a pipe.
   World(const surface::ReliefMesh& floor, const Material& floor_material, const WorldOptions& options);
   ~World();
   World(World&&) noexcept;
@@ -94,7 +93,7 @@ class World {
   // One more textured surface that does not move, where its placement says; numbered from
   // first_surface_body. Bodies on it are drawn where they are simulated, also over a normal map.
   BodyId add_surface(std::shared_ptr<const surface::Surface> surface, const Material& material);
-  // The same on a curved base; what is under its relief by more than `thickness` metres is behind it.
+  // The same on a curved base; anything deeper under its relief than `thickness` metres is behind it.
   BodyId add_surface(const surface::ReliefMesh& relief, const Material& material,
                      double thickness = std::numeric_limits<double>::infinity());
 
@@ -102,9 +101,9 @@ class World {
   void push(BodyId body, const Vec3& impulse);
   // The same at a point of the body, world frame: it turns as well.
   void push(BodyId body, const Vec3& impulse, const Vec3& point);
-  // Somewhere else, as if it had been added there.
+  // Teleports the body; velocities as for add().
   void put(BodyId body, const Pose& pose, const Vec3& velocity, const Vec3& angular_velocity);
-  // Where a driven body is at the end of the next step; what it meets feels the speed at which it gets there.
+  // Sets where a driven body is at the end of the next step; it pushes others with the speed of that motion.
   void drive(BodyId body, const Pose& pose);
 
   // One fixed step. Afterwards events() holds its contacts, in order of body.
@@ -113,17 +112,17 @@ class World {
   std::span<const ContactEvent> events() const;
   double time() const;  // s, end of the last step
   std::size_t body_count() const;
-  // Where the body is simulated. Over a normal map that is on the relief that the normals imply; it is drawn,
-  // and heard, on the flat floor (drawn.h). Everywhere else both are the same.
+  // Where the body is simulated. Over a normal map that is on the relief that the normals imply, while it is
+  // drawn, and heard, on the flat floor (DrawnFrame). Everywhere else both are the same.
   Pose pose(BodyId body) const;
   Pose drawn_pose(BodyId body) const;
   Vec3 velocity(BodyId body) const;
   Vec3 angular_velocity(BodyId body) const;
-  // What is the matter with a body as of the last step: bits of contact::status, and the two above.
+  // Status bits after the last step: those of contact::status, and the two above.
   unsigned status(BodyId body) const;
 
-  // The worst disagreement so far between the momentum a body gained in a step and the impulses reported for
-  // it (Eq. 1.1) plus gravity's, N s. Rounding only, when no contact is lost or counted twice.
+  // The largest difference so far between the momentum that a body gained in a step and the impulses reported
+  // for it (Eq. 1.1) plus gravity's, N s. Rounding only, unless a contact is lost or counted twice.
   double momentum_residual() const;
 
  private:

@@ -1,10 +1,9 @@
-// What a world's bodies touched in a step, read out of Bullet's manifolds.
+// The contact events of a step, from Bullet's manifolds and the contact records.
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 
 #include "contact/contact_point.h"
-#include "dynamics/approach.h"
 #include "dynamics/world_state.h"
 #include "intaglio/representation.h"
 
@@ -12,18 +11,41 @@ namespace intaglio::dynamics {
 
 namespace {
 
-// How far from a side that Bullet meets without relief its contact points may be, m.
-constexpr double bare_slack = 1e-3;
-// Of its size, how far from a skin the contacts of a step may lie by its end.
-constexpr double skin_slack = 0.1;
-// Triangles flatter than that have no direction along u and v.
-constexpr double least_area = 1e-4;
+// Triangles with a smaller ratio of area to squared side in the texture have no direction along u and v.
+constexpr double min_area = 1e-4;
 
 // Impulse on body A at one contact over the last step, N s.
 Vec3 impulse_of(const btManifoldPoint& point) {
-  return from_bullet(point.m_normalWorldOnB) * static_cast<double>(point.m_appliedImpulse) +
-         from_bullet(point.m_lateralFrictionDir1) * static_cast<double>(point.m_appliedImpulseLateral1) +
-         from_bullet(point.m_lateralFrictionDir2) * static_cast<double>(point.m_appliedImpulseLateral2);
+  return from_bullet(point.m_normalWorldOnB) * double(point.m_appliedImpulse) +
+         from_bullet(point.m_lateralFrictionDir1) * double(point.m_appliedImpulseLateral1) +
+         from_bullet(point.m_lateralFrictionDir2) * double(point.m_appliedImpulseLateral2);
+}
+
+// Textures of a body whose plain shape was touched, which no query asked for them: bodies collide without
+// their relief in the representation `normal`, and under a face lies the box.
+
+// The face on the side that `outwards` leaves the box by most; its rectangle may cover less than the side.
+std::optional<TextureSite> face_site(const std::vector<std::shared_ptr<const surface::Surface>>& faces,
+                                     const Vec3& point, const Vec3& outwards) {
+  constexpr double min_cosine = 0.05, float_rounding = 1e-5;  // m
+  double most = min_cosine;
+  std::optional<TextureSite> out;
+  for (std::size_t k = 0; k < faces.size(); ++k) {
+    const surface::Placement& place = faces[k]->placement();
+    const Vec3 local = place.to_local(point);
+    const double cosine = outwards.dot(place.n());
+    if (cosine <= most || !place.covers(local, float_rounding)) continue;
+    most = cosine;
+    const Vec2 uv = place.uv(local).cwiseMax(0).cwiseMin(1);
+    out = TextureSite{int(k), uv, faces[k]->world_normal(uv)};
+  }
+  return out;
+}
+
+// The place of a skin under a point of the plain shape, which the skin need not fit exactly.
+std::optional<TextureSite> skin_site(const surface::ReliefMesh& skin, const Vec3& point) {
+  constexpr double max_misfit = 0.1;  // of the skin's size
+  return site_under(skin, point, max_misfit * skin.bounds().sizes().norm());
 }
 
 }  // namespace
@@ -37,69 +59,49 @@ World::State::Touch& World::State::Body::touch(BodyId other) {
   return touches.back();
 }
 
-std::optional<World::State::Texture> World::State::face_texture(const Body& body, const Vec3& point,
-                                                                const Vec3& normal) const {
-  const Pose at = pose(body);
-  const Vec3 local = at.to_local(point), out = at.orientation.conjugate() * normal;
-  const double slack = 0.1 * body.texel + (is_bare() ? bare_slack : 1e-5);
-  for (std::size_t k = 0; k < body.faces.size(); ++k) {
-    const surface::Surface& face = *body.faces[k];
-    const surface::Placement& place = face.placement();
-    const Vec3 on = place.to_local(local);
-    if (out.dot(place.n()) < 0.05 || !place.covers(on, slack) || on.z() > slack ||
-        on.z() < -face.max_depth() - slack)
-      continue;
-    const Vec2 uv = place.uv(on).cwiseMax(0).cwiseMin(1);
-    Texture met{uv, at.orientation * place.n(), normal, static_cast<int>(k), {}};
-    if (is_bare()) met.n_s = at.orientation * face.world_normal(uv);
-    met.sweep.emplace();
-    *met.sweep << (at.orientation * place.t()).transpose(), (at.orientation * place.b()).transpose();
-    return met;
+World::State::Side World::State::side(BodyId id, const Vec3& point, const btVector3& local_point,
+                                      const Vec3& outwards, const std::optional<TextureSite>& known) const {
+  Side out{id, point, known};
+  if (known || is_surface(id)) return out;
+  const Body& body = bodies[id - 1];
+  if (!body.is_textured()) return out;
+  const Vec3 local = body.shape_pose.to_local(from_bullet(local_point));
+  if (body.skin) {
+    if (is_flattened()) out.site = skin_site(*body.skin, local);
+  } else {
+    out.site = face_site(body.faces, local, pose(body).orientation.conjugate() * outwards);
   }
-  return std::nullopt;
+  return out;
 }
 
-World::State::Texture World::State::curved_texture(const surface::ReliefMesh& relief, const Pose& at,
-                                                   const Vec3& point, const Vec3& normal,
-                                                   double reach) const {
-  Texture met{Vec2::Zero(), normal, normal, -1};
-  const auto under = relief.base().closest(at.to_local(point), reach);
-  if (!under) return met;
-  const surface::Surface& surface = relief.surface();
-  met = {under->uv, at.orientation * under->n, normal};
-  if (is_bare()) met.n_s = at.orientation * under->direction_to_world(surface.normal(under->uv));
-  met.sweep = Eigen::Matrix<double, 2, 3>::Zero();
-  const Eigen::Matrix2d stretch = relief.base().stretch(*under);
-  if (std::abs(stretch.determinant()) < least_area * stretch.squaredNorm()) return met;
-  Eigen::Matrix<double, 2, 3> along;
-  along << (at.orientation * under->t).transpose(), (at.orientation * under->b).transpose();
-  met.sweep = surface.placement().size().asDiagonal() * stretch.inverse() * along;
-  return met;
-}
-
-std::optional<World::State::Texture> World::State::texture(BodyId other, const Vec3& point,
-                                                           const Vec3& normal) const {
-  if (!is_surface(other)) {
-    const Body& body = bodies[other - 1];
-    if (!body.skin) return face_texture(body, point, normal);
-    return curved_texture(*body.skin, pose(body), point, normal,
-                          skin_slack * body.skin->bounds().sizes().norm());
+// `normal` stands in where there is no texture.
+World::State::Texture World::State::texture(const Side& side, const Vec3& normal) const {
+  if (!side.site) return {-1, Vec2::Zero(), normal, normal};
+  const TextureSite& site = *side.site;
+  const bool moves = !is_surface(side.id);
+  const Quat turn = moves ? pose(bodies[side.id - 1]).orientation : Quat::Identity();
+  Texture out{site.texture, site.uv, normal, turn * site.n_s};
+  const auto& skin = moves ? bodies[side.id - 1].skin : ground(side.id).curved;
+  if (skin) {
+    const surface::BasePoint base = skin->base().at(site.triangle, site.weights);
+    out.n_g = turn * base.n;
+    out.sweep = Eigen::Matrix<double, 2, 3>::Zero();
+    const Eigen::Matrix2d stretch = skin->base().stretch(base);
+    if (std::abs(stretch.determinant()) < min_area * stretch.squaredNorm()) return out;
+    Eigen::Matrix<double, 2, 3> axes;
+    axes << (turn * base.t).transpose(), (turn * base.b).transpose();
+    out.sweep = skin->surface().placement().size().asDiagonal() * stretch.inverse() * axes;
+    return out;
   }
-  const Ground& touched = ground(other);
-  if (touched.curved)
-    return curved_texture(*touched.curved, {}, point, normal,
-                          touched.curved->surface().max_depth() + touched.curved->texel());
-  const surface::Placement& place = touched.surface->placement();
-  const Vec2 uv = place.uv(place.to_local(point));
-  const bool is_flat = options.representation == Representation::flat;
-  return Texture{uv, place.n(), is_flat ? place.n() : touched.surface->world_normal(uv)};
-}
-
-std::optional<World::State::Texture> World::State::own_texture(const Body& body, const Vec3& point,
-                                                               const Vec3& normal) const {
-  if (!body.is_textured()) return std::nullopt;
-  auto own = texture(id(*body.rigid), point, -normal);
-  return own && own->sweep ? own : std::nullopt;
+  const surface::Surface& face =
+      moves ? *bodies[side.id - 1].faces[std::size_t(site.texture)] : *ground(side.id).surface;
+  const surface::Placement& place = face.placement();
+  out.n_g = turn * place.n();
+  if (moves) {
+    out.sweep.emplace();
+    *out.sweep << (turn * place.t()).transpose(), (turn * place.b()).transpose();
+  }
+  return out;
 }
 
 Vec3 World::State::velocity_of(BodyId other, const Vec3& point) const {
@@ -108,53 +110,59 @@ Vec3 World::State::velocity_of(BodyId other, const Vec3& point) const {
   return from_bullet(rigid.getVelocityInLocalPoint(to_bullet(point) - rigid.getCenterOfMassPosition()));
 }
 
-// Round bodies carry the contact between them along, each the more the rounder it is; else it goes with
-// `body`.
+// The contact point between two rolling bodies moves with their curvature-weighted mean velocity: it divides
+// the line between their centres as r1 : r2, so its velocity is (r2 v1 + r1 v2) / (r1 + r2). Otherwise it
+// moves with `body`.
 Vec3 World::State::contact_velocity(const Body& body, BodyId other) const {
   const Vec3 own = from_bullet(body.rigid->getLinearVelocity());
   if (is_surface(other)) return own;
-  const Body& met = bodies[other - 1];
-  if (met.bend == 0) return own;
-  const Vec3 its = from_bullet(met.rigid->getLinearVelocity());
-  return (body.bend * own + met.bend * its) / (body.bend + met.bend);
+  const Body& partner = bodies[other - 1];
+  if (partner.curvature == 0) return own;
+  const Vec3 its = from_bullet(partner.rigid->getLinearVelocity());
+  return (body.curvature * own + partner.curvature * its) / (body.curvature + partner.curvature);
 }
 
-const Pose& World::State::told_pose(Body& body) {
+const Pose& World::State::cached_drawn_pose(Body& body) {
   if (!body.drawn) body.drawn = drawn_pose(body);
   return *body.drawn;
 }
 
-Vec3 World::State::told_point(Body& body, BodyId other, const Vec3& point) {
+Vec3 World::State::drawn_point(Body& body, BodyId other, const Vec3& point) {
   if (!drawn) return point;
-  return other == floor_body ? drawn->point(point) : told_pose(body).to_world(pose(body).to_local(point));
+  return other == floor_body ? drawn->point(point)
+                             : cached_drawn_pose(body).to_world(pose(body).to_local(point));
 }
 
-ContactEvent World::State::event(Body& body, const Touch& touch, const Texture& texture, const Vec3& impulse,
-                                 double dt) {
+ContactEvent World::State::event(Body& body, const Touch& touch, const Vec3& impulse, double dt) {
+  const Contact& contact = touch.last;
+  const Vec3& point = contact.other.point;
+  const Texture met = texture(contact.other, contact.normal);
   const Vec3 carried = contact_velocity(body, touch.other);
-  const Vec3 velocity = carried - velocity_of(touch.other, touch.point);
-  const Vec3 arm = touch.point - from_bullet(body.rigid->getCenterOfMassPosition());
+  const Vec3 velocity = carried - velocity_of(touch.other, point);
+  const Vec3 arm = point - from_bullet(body.rigid->getCenterOfMassPosition());
   const Vec3 turning = from_bullet(body.rigid->getAngularVelocity()).cross(arm) +
                        (from_bullet(body.rigid->getLinearVelocity()) - carried);
   ContactEvent event;
   event.time = time;
   event.body = id(*body.rigid);
   event.other = touch.other;
-  event.phase = touch.before ? ContactPhase::persist : ContactPhase::begin;
-  event.point = told_point(body, touch.other, touch.point);
-  event.uv = texture.uv;
-  event.texture = texture.index;
-  event.n_g = texture.n_g;
-  event.n_s = texture.n_s;
+  event.phase = touch.was_touching ? ContactPhase::persist : ContactPhase::begin;
+  event.point = drawn_point(body, touch.other, point);
+  event.uv = met.uv;
+  event.texture = met.index;
+  event.n_g = met.n_g;
+  event.n_s = met.n_s;
   event.v_t = velocity - velocity.dot(event.n_g) * event.n_g;
   event.spin = turning - turning.dot(event.n_g) * event.n_g;
-  if (texture.sweep) event.sweep = *texture.sweep * velocity;
-  const auto own = own_texture(body, touch.point, touch.normal);
-  if (own) event.own = TexturePlace{own->index, own->uv, *own->sweep * -turning};
+  if (met.sweep) event.sweep = *met.sweep * velocity;
+  if (contact.body.site) {
+    const Texture own = texture(contact.body, -contact.normal);
+    event.own = TexturePlace{own.index, own.uv, *own.sweep * -turning};
+  }
   event.impulse = impulse;
   event.duration = dt;
-  event.body_pose = told_pose(body);
-  if (!is_surface(touch.other)) event.other_pose = told_pose(bodies[touch.other - 1]);
+  event.body_pose = cached_drawn_pose(body);
+  if (!is_surface(touch.other)) event.other_pose = cached_drawn_pose(bodies[touch.other - 1]);
   return event;
 }
 
@@ -166,104 +174,95 @@ void World::State::collect(const btPersistentManifold& manifold, double dt) {
     // zero.
     const Vec3 impulse = impulse_of(point);
     if (impulse.isZero()) continue;
-    if (!is_surface(a)) body(a).gained += impulse;
-    if (!is_surface(b)) body(b).gained -= impulse;
+    if (!is_surface(a)) body(a).reported_impulse += impulse;
+    if (!is_surface(b)) body(b).reported_impulse -= impulse;
     if (is_surface(a) && is_surface(b)) continue;
-    if (!is_surface(a) && !is_surface(b)) body(a).met_another = body(b).met_another = true;
-    collect_point(point, impulse, a, b, dt);
+    if (!is_surface(a) && !is_surface(b)) body(a).touched_body = body(b).touched_body = true;
+    const ContactRecord* known = records.find(manifold, point);
+    const ContactRecord record = known != nullptr ? *known : ContactRecord{};
+    const Vec3 normal = from_bullet(point.m_normalWorldOnB), on_b = from_bullet(point.m_positionWorldOnB);
+    emit_point({side(a, from_bullet(point.m_positionWorldOnA), point.m_localPointA, -normal, record.on_a),
+                side(b, on_b, point.m_localPointB, normal, record.on_b), normal, impulse, record.touch_time},
+               on_b, dt);
   }
 }
 
-// Tells who touched whom: the one without texture, or the one that moves, or the one that was added first
-// touches the other.
-void World::State::collect_point(const btManifoldPoint& point, const Vec3& impulse, BodyId a, BodyId b,
-                                 double dt) {
+// Decides which of the two is the event's body: the one without texture, or the one that moves, or the one
+// that was added first.
+void World::State::emit_point(const Contact& contact, const Vec3& on_b, double dt) {
+  const BodyId a = contact.body.id, b = contact.other.id;
   const auto is_textured = [&](BodyId id) { return is_surface(id) || body(id).is_textured(); };
   const auto is_free = [&](BodyId id) { return !is_surface(id) && body(id).motion == Motion::free; };
-  const bool both = is_textured(a) == is_textured(b);
-  const bool turned = is_free(a) != is_free(b) ? is_free(b) : both ? a > b : is_textured(a);
-  const auto tell = [&](bool b_touches_a) {
-    const Vec3 normal = from_bullet(point.m_normalWorldOnB) * (b_touches_a ? -1 : 1);
-    const Vec3 on = from_bullet(b_touches_a ? point.m_positionWorldOnA : point.m_positionWorldOnB);
-    const std::size_t before = events.size();
-    const bool is_told = told(b_touches_a ? b : a, b_touches_a ? a : b, on, normal,
-                              b_touches_a ? Vec3(-impulse) : impulse, dt);
-    if (const auto delay = touch_of(point); delay && events.size() > before)
-      events.back().touch_age = dt - *delay;
-    return is_told;
-  };
-  // What touches a textured body where it has no texture may have one itself.
-  if (tell(turned) || (both && is_free(a) && is_free(b) && tell(!turned)) || !options.report_pairs) return;
-  const Vec3 normal = from_bullet(point.m_normalWorldOnB) * (turned ? -1 : 1);
-  collect_pair(from_bullet(point.m_positionWorldOnB), normal, turned ? Vec3(-impulse) : impulse,
-               turned ? b : a, turned ? a : b, dt);
+  const bool symmetric = is_textured(a) == is_textured(b);
+  const bool swap = is_free(a) != is_free(b) ? is_free(b) : symmetric ? a > b : is_textured(a);
+  const Contact seen = swap ? contact.swapped() : contact;
+  if (emit_contact(seen, dt)) return;
+  // Beside its textures, the other body may touch one of this body's.
+  if (symmetric && is_free(a) && is_free(b) && emit_contact(seen.swapped(), dt)) return;
+  if (options.report_pairs) emit_untextured_pair(seen, on_b, dt);
 }
 
-bool World::State::told(BodyId who, BodyId other, const Vec3& on, const Vec3& normal, const Vec3& impulse,
-                        double dt) {
-  Body& touching = body(who);
-  std::optional<Texture> met = texture(other, on, normal);
-  if (!met && own_texture(touching, on, normal)) met = Texture{Vec2::Zero(), normal, normal, -1};
-  if (!met) return false;
-  if (!touching.rigid->isActive()) return true;  // asleep: it is not happening again
-  touching.on_ground |= is_surface(other);
+bool World::State::emit_contact(const Contact& contact, double dt) {
+  const BodyId other = contact.other.id;
+  Body& touching = body(contact.body.id);
+  const bool always_has = is_surface(other) || body(other).skin;
+  if (!always_has && !contact.other.site && !contact.body.site) return false;
+  if (!touching.rigid->isActive()) return true;  // sleeping: no new event
+  touching.touched_ground |= is_surface(other);
   Touch& touch = touching.touch(other);
-  touch.now = true;
-  touch.point = on;
-  touch.normal = normal;
-  events.push_back(event(touching, touch, *met, impulse, dt));
+  touch.is_touching = true;
+  touch.last = contact;
+  events.push_back(event(touching, touch, contact.impulse, dt));
+  if (contact.touch_time) events.back().touch_age = dt - *contact.touch_time;
   return true;
 }
 
-// Two bodies without texture between them. Each blow is told as a contact of its own, begun and over in its
-// step, so that nothing lingers; resting pairs push too little to be told.
-void World::State::collect_pair(const Vec3& point, const Vec3& normal, const Vec3& impulse, BodyId a,
-                                BodyId b, double dt) {
-  Body& moved = body(a);
-  const double mass = 1 / static_cast<double>(moved.rigid->getInvMass());
-  if (!moved.rigid->isActive() || impulse.norm() < 2 * mass * options.gravity.norm() * dt) return;
-  ContactEvent blow;
-  blow.time = time;
-  blow.body = a;
-  blow.other = b;
-  blow.phase = ContactPhase::begin;
-  blow.texture = -1;
-  blow.point = told_point(moved, b, point);
-  blow.n_g = blow.n_s = normal;
+// Two bodies without texture between them. Each impact is one event without an end; resting contact is below
+// the threshold.
+void World::State::emit_untextured_pair(const Contact& contact, const Vec3& point, double dt) {
+  Body& moved = body(contact.body.id);
+  const double mass = 1 / double(moved.rigid->getInvMass());
+  if (!moved.rigid->isActive() || contact.impulse.norm() < 2 * mass * options.gravity.norm() * dt) return;
+  ContactEvent impact;
+  impact.time = time;
+  impact.body = contact.body.id;
+  impact.other = contact.other.id;
+  impact.phase = ContactPhase::begin;
+  impact.texture = -1;
+  impact.point = drawn_point(moved, impact.other, point);
+  impact.n_g = impact.n_s = contact.normal;
   const Vec3 velocity = from_bullet(moved.rigid->getLinearVelocity());
-  blow.v_t = velocity - velocity.dot(normal) * normal;
-  blow.impulse = impulse;
-  blow.duration = dt;
-  blow.body_pose = told_pose(moved);
-  blow.other_pose = told_pose(body(b));
-  events.push_back(blow);
+  impact.v_t = velocity - velocity.dot(contact.normal) * contact.normal;
+  impact.impulse = contact.impulse;
+  impact.duration = dt;
+  impact.body_pose = cached_drawn_pose(moved);
+  impact.other_pose = cached_drawn_pose(body(impact.other));
+  events.push_back(impact);
 }
 
-void World::State::collect_ends(double dt) {
+void World::State::emit_ended(double dt) {
   for (Body& body : bodies) {
     if (!body.is_moving()) continue;
     for (Touch& touch : body.touches) {
-      if (touch.before && !touch.now) {
-        const auto met = texture(touch.other, touch.point, touch.normal);
-        const Texture last = met.value_or(Texture{Vec2::Zero(), touch.normal, touch.normal, -1});
-        events.push_back(event(body, touch, last, Vec3::Zero(), dt));
+      if (touch.was_touching && !touch.is_touching) {
+        events.push_back(event(body, touch, Vec3::Zero(), dt));
         events.back().phase = ContactPhase::end;
       }
-      touch.before = touch.now;
+      touch.was_touching = touch.is_touching;
     }
-    std::erase_if(body.touches, [](const Touch& touch) { return !touch.now; });
+    std::erase_if(body.touches, [](const Touch& touch) { return !touch.is_touching; });
   }
 }
 
 namespace {
 
-// A blow that is resolved after its touch is told as of the step that began with it, with all points of the
-// pair: the first of those that bear a third of the blow decides.
-void tell_when(std::span<ContactEvent> step, double dt) {
-  double whole = 0, late = 0;
-  for (const ContactEvent& event : step) whole += event.impulse.norm();
+// An impact that the solver resolves a step late is dated back to the touch, with all points of the pair, if
+// a point with at least a third of the impulse is late.
+void date_back(std::span<ContactEvent> step, double dt) {
+  double total = 0, late = 0;
+  for (const ContactEvent& event : step) total += event.impulse.norm();
   for (const ContactEvent& event : step) {
-    if (event.touch_age > dt && event.impulse.norm() >= whole / 3)
+    if (event.touch_age > dt && event.impulse.norm() >= total / 3)
       late = std::max(late, event.touch_age - dt);
   }
   for (ContactEvent& event : step) {
@@ -275,17 +274,17 @@ void tell_when(std::span<ContactEvent> step, double dt) {
 }  // namespace
 
 void World::State::collect(double dt) {
-  const auto first = static_cast<std::ptrdiff_t>(events.size());
+  const auto first = std::ptrdiff_t(events.size());
   for (Body& body : bodies) {
-    body.gained.setZero();
+    body.reported_impulse.setZero();
     body.drawn.reset();
-    body.on_ground = body.met_another = false;
-    for (Touch& touch : body.touches) touch.now = false;
+    body.touched_ground = body.touched_body = false;
+    for (Touch& touch : body.touches) touch.is_touching = false;
   }
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m)
     collect(*dispatcher.getManifoldByIndexInternal(m), dt);
-  collect_ends(dt);
-  // Manifolds come in the order of Bullet's broad phase; events in the order of bodies, a pair's together.
+  emit_ended(dt);
+  // Manifolds are in the order of Bullet's broad phase; events in the order of bodies, a pair's together.
   std::stable_sort(events.begin() + first, events.end(), [](const ContactEvent& a, const ContactEvent& b) {
     return std::tie(a.body, a.other) < std::tie(b.body, b.other);
   });
@@ -293,7 +292,7 @@ void World::State::collect(double dt) {
     const auto to = std::find_if(from, events.end(), [&](const ContactEvent& e) {
       return e.body != from->body || e.other != from->other;
     });
-    tell_when({from, to}, dt);
+    date_back({from, to}, dt);
     from = to;
   }
 }
@@ -301,10 +300,10 @@ void World::State::collect(double dt) {
 void World::State::audit(double dt) {
   for (const Body& body : bodies) {
     if (!body.is_moving() || !body.was_awake) continue;
-    const double mass = 1.0 / static_cast<double>(body.rigid->getInvMass());
-    const double size = body.gained.norm();
+    const double mass = 1.0 / double(body.rigid->getInvMass());
+    const double size = body.reported_impulse.norm();
     Vec3 expected = body.velocity_before + options.gravity * dt;
-    if (size > 0) expected += contact::velocity_change(size / dt, dt, mass, body.gained / size);
+    if (size > 0) expected += contact::velocity_change(size / dt, dt, mass, body.reported_impulse / size);
     const Vec3 velocity = from_bullet(body.rigid->getLinearVelocity());
     momentum_residual = std::max(momentum_residual, mass * (velocity - expected).norm());
   }

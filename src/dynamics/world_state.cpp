@@ -6,128 +6,85 @@
 #include <numbers>
 
 #include "contact/shape.h"
-#include "dynamics/bullet_shape.h"
-#include "dynamics/textured_shape.h"
+#include "contact/surface_contacts.h"
 #include "intaglio/representation.h"
 #include "intaglio/vec.h"
+#include "surface/closest.h"
 
 namespace intaglio::dynamics {
 
+// Drawn and simulated poses.
+
 namespace {
 
-// A box between two corners.
-struct Sides {
-  Vec3 low, high;
-
-  explicit Sides(const Vec3& half) : low(-half), high(half) {}
-  // On the side that the normal leaves by.
-  void set_back(const Vec3& normal, double by) {
-    Eigen::Index axis = 0;
-    normal.cwiseAbs().maxCoeff(&axis);
-    if (normal[axis] > 0) {
-      high[axis] = std::max(high[axis] - by, low[axis] + 1e-6);
-    } else {
-      low[axis] = std::min(low[axis] + by, high[axis] - 1e-6);
-    }
-  }
-  Vec3 middle() const { return 0.5 * (low + high); }
-  contact::Box box() const { return {0.5 * (high - low)}; }
-  double across(const Vec3& normal) const { return normal.cwiseAbs().dot(high - low); }
-};
-
-double mean_depth(const surface::Surface& s) {
-  double sum = 0;
-  for (int j = 0; j < s.height(); ++j)
-    for (int i = 0; i < s.width(); ++i) sum -= s.texel_z(i, j);
-  return s.has_depth() ? sum / (static_cast<double>(s.width()) * s.height()) : 0;
+// Negative when they overlap. No contact is farther away than the relief is from the body's position, which
+// serves as the margin.
+double relief_gap(const surface::Surface& relief, const contact::Shape& shape, const Pose& pose) {
+  const auto nearest = closest_point(relief, relief.placement().to_local(pose.position));
+  if (!nearest) return 0;
+  const contact::ContactSet set =
+      contact::relief_contacts(relief, shape, pose, std::max(nearest->distance, 0.0) + 1e-6);
+  // Clamp overlap to 1 % of the body's size: more is not an overlap of a moving body.
+  const double reach = bounding_radius(shape);
+  return set.count > 0 ? std::max(set.points[0].distance, -0.01 * reach) : nearest->distance - reach;
 }
 
-const contact::Box* box_of(const ShapeBody& body) {
-  return body.faces.empty() ? nullptr : std::get_if<contact::Box>(&body.shape);
+double flat_gap(const surface::Surface& map, const contact::Shape& shape, const Pose& pose) {
+  const double height = map.placement().to_local(pose.position).z();
+  const contact::ContactSet set = contact::flat_contacts(map, shape, pose, std::max(height, 0.0) + 1e-6);
+  return set.count > 0 ? set.points[0].distance : height - bounding_radius(shape);
 }
 
 }  // namespace
 
-contact::MassProperties mass_properties(const ShapeBody& body) {
-  if (body.skin) return CurvedShape(*body.skin).enclosed();
-  const contact::Box* box = box_of(body);
-  if (box == nullptr) return contact::mass_properties(body.shape);
-  Sides sides(box->half);
-  for (const auto& face : body.faces) sides.set_back(face->placement().n(), mean_depth(*face));
-  contact::MassProperties out = contact::mass_properties(sides.box());
-  out.centre = sides.middle();
+DrawnFrame::DrawnFrame(const surface::Surface& map, const surface::Surface& relief, const Vec2& mean_slope)
+    : map_(map), relief_(relief), mean_slope_(mean_slope) {
+  const surface::Placement& place = map.placement();
+  level_rotation_ = rotation_onto(
+      place.direction_to_world(Vec3(-mean_slope.x(), -mean_slope.y(), 1).normalized()), place.n());
+}
+
+Pose DrawnFrame::pose(const contact::Shape& shape, const Pose& simulated) const {
+  Pose out{simulated.position, (level_rotation_ * simulated.orientation).normalized()};
+  const double lift = relief_gap(relief_, shape, simulated) - flat_gap(map_, shape, out);
+  out.position += lift * map_.placement().n();
   return out;
 }
 
-double reach(const ShapeBody& body) {
-  const double plain = contact::bounding_radius(body.shape);
-  if (!body.skin) return plain;
-  const surface::Box bounds = body.skin->bounds();
-  return std::max(plain, bounds.min().cwiseAbs().cwiseMax(bounds.max().cwiseAbs()).norm());
+Vec3 DrawnFrame::point(const Vec3& simulated) const {
+  const surface::Placement& place = map_.placement();
+  return simulated - place.to_local(simulated).z() * place.n();
 }
 
-double texel(const ShapeBody& body) {
-  if (body.skin) return body.skin->texel();
-  double least = 0;
-  for (const auto& face : body.faces) {
-    const double own = std::min(face->texel_u(), face->texel_v());
-    least = least > 0 ? std::min(least, own) : own;
+Pose DrawnFrame::simulated(const contact::Shape& shape, const Pose& drawn) const {
+  const double gap = flat_gap(map_, shape, drawn);
+  const Vec3 n = map_.placement().n();
+  Pose out{drawn.position, (level_rotation_.conjugate() * drawn.orientation).normalized()};
+  // Sphere tracing: start above the relief and descend by the free distance.
+  out.position +=
+      (bounding_radius(shape) + std::max(gap, 0.0) - relief_.placement().to_local(drawn.position).z()) * n;
+  for (int k = 0; k < 100; ++k) {
+    const double excess = relief_gap(relief_, shape, out) - gap;
+    out.position -= excess * n;
+    if (std::abs(excess) < 1e-9) break;
   }
-  return least;
-}
-
-BulletShape to_bullet(const ShapeBody& body, const Pose& held) {
-  BulletShape out;
-  auto whole = std::make_unique<btCompoundShape>();
-  const auto add = [&](std::unique_ptr<btCollisionShape> part, const Pose& pose) {
-    out.parts.push_back(std::move(part));
-    whole->addChildShape(to_bullet(pose), out.parts.back().get());
-  };
-  const contact::Box* box = box_of(body);
-  if (body.skin) {
-    add(std::make_unique<CurvedShape>(*body.skin), held);
-  } else if (box != nullptr) {
-    Sides core(box->half);
-    for (const auto& face : body.faces) {
-      const Vec3 n = face->placement().n();
-      const double texel = std::max(face->texel_u(), face->texel_v());
-      const double thickness = std::min(face->max_depth() + texel, 0.5 * Sides(box->half).across(n));
-      add(std::make_unique<TexturedShape>(face, ContactOptions{}, thickness), held);
-      core.set_back(n, face->max_depth());
-    }
-    add(std::make_unique<btBoxShape>(to_bullet(core.box().half)),
-        {held.to_world(core.middle()), held.orientation});
-  } else {
-    return to_bullet(body.shape, held);
-  }
-  out.parts.push_back(std::move(whole));
   return out;
 }
 
-surface::ReliefMesh bare(const surface::ReliefMesh& relief) {
-  surface::Texels flat;
-  flat.width = flat.height = 4;
-  flat.depth.assign(16, 0.0f);
-  flat.normal.assign(16, Vec3::UnitZ());
-  const auto plane = std::make_shared<const surface::Surface>(std::move(flat), relief.surface().placement(),
-                                                              0.0, surface::Edge::wrap);
-  auto made = surface::ReliefMesh::make(plane, relief.base());
-  return made ? *made : relief;  // what has no depth cannot fold
+Vec3 DrawnFrame::simulated_velocity(const Vec3& drawn) const {
+  const surface::Placement& place = map_.placement();
+  const Vec3 local = place.direction_to_local(drawn);
+  return drawn + mean_slope_.dot(local.head<2>()) * place.n();
 }
 
-}  // namespace intaglio::dynamics
-
-// How bodies come into a world, and what is done about those that cannot be simulated.
-
-//
-namespace intaglio::dynamics {
+// Bodies: how they are added, and what happens to those that cannot be simulated.
 
 namespace {
 
 struct Inertia {
   double mass = 0;
   Vec3 moments = Vec3::Zero();
-  Pose held;  // of the shape's frame in the frame of the principal axes
+  Pose shape_pose;  // of the shape in the frame of the principal axes
 };
 
 Inertia inertia_of(const ShapeBody& body) {
@@ -148,7 +105,7 @@ Inertia inertia_of(const ShapeBody& body) {
     if (columns.determinant() < 0) columns.col(2) *= -1;
     axes = Quat(columns).normalized();
   }
-  out.held = {axes.conjugate() * -of.centre, axes.conjugate()};
+  out.shape_pose = {axes.conjugate() * -of.centre, axes.conjugate()};
   return out;
 }
 
@@ -169,13 +126,13 @@ bool is_finite(const ShapeBody& body) {
          body.pose.orientation.norm() > 1e-6;
 }
 
-bool is_sound(const Inertia& inertia) {
+bool is_valid(const Inertia& inertia) {
   return std::isfinite(inertia.mass) && inertia.mass > 0 && inertia.moments.allFinite() &&
          inertia.moments.minCoeff() > 0;
 }
 
-// Floats are as fine as a hundredth of a millimetre up to here, m; and a millimetre up to there.
-constexpr double far_away = 100, lost = 1e4;
+// m. Bullet's floats are 0.01 mm apart at far_limit and 1 mm at lost_limit.
+constexpr double far_limit = 100, lost_limit = 1e4;
 
 }  // namespace
 
@@ -202,11 +159,10 @@ BodyId World::add(const ShapeBody& body) {
 }
 
 void World::State::place(Body& body, const Pose& at, const Vec3& velocity, const Vec3& angular_velocity) {
-  body.goal.reset();
+  body.target.reset();
   Pose pose{at.position, at.orientation.normalized()};
   if (drawn && body.is_simulated()) pose = drawn->simulated(body.shape, pose);
-  const Quat axes = pose.orientation * body.held.orientation.conjugate();
-  body.rigid->setWorldTransform(to_bullet(Pose{pose.position - axes * body.held.position, axes}));
+  body.rigid->setWorldTransform(body.rigid_transform(pose));
   body.rigid->setInterpolationWorldTransform(body.rigid->getWorldTransform());
   body.rigid->setLinearVelocity(to_bullet(drawn ? drawn->simulated_velocity(velocity) : velocity));
   body.rigid->setAngularVelocity(to_bullet(angular_velocity));
@@ -226,44 +182,44 @@ BodyId World::State::add(const ShapeBody& body) {
   const bool finite = is_finite(body);
   if (!finite) added.status = not_simulated | contact::status::bad_pose;
   Inertia inertia = inertia_of(body);
-  if (!is_sound(inertia)) added.status |= not_simulated | contact::status::no_size;
+  if (!is_valid(inertia)) added.status |= not_simulated | contact::status::no_size;
   if (!added.is_simulated()) {
-    // Something that Bullet can hold, outside its world.
+    // Something that Bullet can represent, outside its world.
     added.shape = contact::Sphere{0};
     inertia = {1, Vec3::Ones(), {}};
   }
-  added.held = inertia.held;
-  added.reach = reach(body) + added.held.position.norm();
+  added.shape_pose = inertia.shape_pose;
+  added.reach = reach(body) + added.shape_pose.position.norm();
   if (added.is_simulated() && options.representation != Representation::flat) {
     added.faces = body.faces;
     added.skin = body.skin;
   }
-  if (added.is_textured() && !is_bare()) {
+  if (added.is_textured() && !is_flattened()) {
     added.texel = texel(body);
-    added.bullet_shape = to_bullet(body, added.held);
+    added.bullet_shape = to_bullet(body, added.shape_pose);
   } else {
-    added.bullet_shape = to_bullet(added.shape, added.held);
+    added.bullet_shape = to_bullet(added.shape, added.shape_pose);
   }
   if (body.motion != Motion::free) inertia.mass = 0;
   btRigidBody::btRigidBodyConstructionInfo info(
-      static_cast<btScalar>(inertia.mass), nullptr, added.bullet_shape.whole(),
+      btScalar(inertia.mass), nullptr, added.bullet_shape.root(),
       to_bullet(inertia.mass > 0 ? inertia.moments : Vec3::Zero().eval()));
   // Bullet multiplies both bodies' friction: square roots make that the geometric mean.
-  info.m_friction = static_cast<btScalar>(std::sqrt(body.material.friction));
-  info.m_restitution = static_cast<btScalar>(body.material.restitution);
+  info.m_friction = btScalar(std::sqrt(body.material.friction));
+  info.m_restitution = btScalar(body.material.restitution);
   // Bullet's rolling friction of a pair is a.rolling * b.friction + b.rolling * a.friction, a length. Ours is
   // the sum of both materials' times the radius: all of it is given to the body.
   const double floor_friction = floor->rigid.getFriction(), radius = std::visit(RollingRadius{}, added.shape);
-  if (radius > 0) added.bend = 1 / radius;
+  if (radius > 0) added.curvature = 1 / radius;
   if (floor_friction > 0)
-    info.m_rollingFriction = static_cast<btScalar>(
-        (body.material.rolling_resistance + floor_rolling_resistance) * radius / floor_friction);
+    info.m_rollingFriction =
+        btScalar((body.material.rolling_resistance + floor_rolling_resistance) * radius / floor_friction);
   info.m_spinningFriction = info.m_rollingFriction;
   info.m_linearSleepingThreshold = 0.004f;
   info.m_angularSleepingThreshold = 0.1f;
   added.rigid = std::make_unique<btRigidBody>(info);
-  const auto id = static_cast<BodyId>(bodies.size() + 1);
-  added.rigid->setUserIndex(static_cast<int>(id));
+  const auto id = BodyId(bodies.size() + 1);
+  added.rigid->setUserIndex(int(id));
   if (finite) place(added, body.pose, body.velocity, body.angular_velocity);
   if (body.motion == Motion::driven) {
     added.rigid->setCollisionFlags(added.rigid->getCollisionFlags() | btCollisionObject::CF_KINEMATIC_OBJECT);
@@ -274,7 +230,7 @@ BodyId World::State::add(const ShapeBody& body) {
         added.rigid.get(), btBroadphaseProxy::DefaultFilter,
         options.bodies_collide ? btBroadphaseProxy::AllFilter : btBroadphaseProxy::StaticFilter);
   bodies.push_back(std::move(added));
-  look_after(bodies.back());
+  update_status(bodies.back());
   return id;
 }
 
@@ -284,25 +240,25 @@ World::State::Ground::Ground(std::shared_ptr<const surface::Surface> s, const Ma
       shape(std::make_unique<TexturedShape>(std::move(s),
                                             ContactOptions{o.representation, o.method, o.normal_method})),
       rigid(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, shape.get())) {
-  is_made_of(material);
+  set_material(material);
 }
 
 World::State::Ground::Ground(const surface::ReliefMesh& relief, const Material& material,
                              const WorldOptions& o, double thickness)
-    : curved(o.representation == Representation::relief ? relief : bare(relief)),
+    : curved(o.representation == Representation::relief ? relief : flattened(relief)),
       shape(std::make_unique<CurvedShape>(*curved, thickness)),
       rigid(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, shape.get())) {
-  is_made_of(material);
+  set_material(material);
 }
 
-void World::State::Ground::is_made_of(const Material& material) {
-  rigid.setFriction(static_cast<btScalar>(std::sqrt(material.friction)));
-  rigid.setRestitution(static_cast<btScalar>(material.restitution));
+void World::State::Ground::set_material(const Material& material) {
+  rigid.setFriction(btScalar(std::sqrt(material.friction)));
+  rigid.setRestitution(btScalar(material.restitution));
 }
 
 BodyId World::State::add(std::unique_ptr<Ground> ground) {
-  const auto id = static_cast<BodyId>(first_surface_body + grounds.size());
-  ground->rigid.setUserIndex(static_cast<int>(id));
+  const auto id = BodyId(first_surface_body + grounds.size());
+  ground->rigid.setUserIndex(int(id));
   world.addRigidBody(&ground->rigid);
   grounds.push_back(std::move(ground));
   return id;
@@ -316,29 +272,26 @@ BodyId World::add_surface(const surface::ReliefMesh& relief, const Material& mat
   return state_->add(std::make_unique<State::Ground>(relief, material, state_->options, thickness));
 }
 
-// A body that would move farther in a substep than contacts can be asked for is slowed to that.
-void World::State::slow(Body& body) const {
+// Slows a body that would move farther in a substep than contacts are looked for.
+void World::State::limit_speed(Body& body) const {
   if (!body.is_moving()) return;
+  const auto limited = [&](const btVector3& velocity, double limit) {
+    const double speed = double(velocity.length());
+    if (!(speed > limit)) return velocity;
+    body.status |= slowed;
+    return velocity * btScalar(limit / speed);
+  };
   const double fastest = options.most_substeps * floor->shape->look_ahead() / options.step;
-  const double speed = static_cast<double>(body.rigid->getLinearVelocity().length());
-  if (speed > fastest) {
-    body.rigid->setLinearVelocity(body.rigid->getLinearVelocity() * static_cast<btScalar>(fastest / speed));
-    body.status |= slowed;
-  }
-  // No point of it need be faster than that.
+  body.rigid->setLinearVelocity(limited(body.rigid->getLinearVelocity(), fastest));
+  // Likewise for points moved by rotation.
   const double fastest_spin = fastest / std::max(body.reach, 1e-6);
-  const double spin = static_cast<double>(body.rigid->getAngularVelocity().length());
-  if (spin > fastest_spin) {
-    body.rigid->setAngularVelocity(body.rigid->getAngularVelocity() *
-                                   static_cast<btScalar>(fastest_spin / spin));
-    body.status |= slowed;
-  }
+  body.rigid->setAngularVelocity(limited(body.rigid->getAngularVelocity(), fastest_spin));
 }
 
 namespace {
 
-// Whether it is off the rectangle, or under the relief.
-unsigned place_on(const surface::Surface& relief, const Vec3& position) {
+// Whether a position is off the rectangle, or under the relief.
+unsigned place_status(const surface::Surface& relief, const Vec3& position) {
   const surface::Placement& place = relief.placement();
   const Vec3 local = place.to_local(position);
   if (!place.covers(local)) return contact::status::off_edge;
@@ -347,8 +300,8 @@ unsigned place_on(const surface::Surface& relief, const Vec3& position) {
 
 }  // namespace
 
-// What is the matter with it after a step. A body that is lost is taken out of the world, where it last was.
-void World::State::look_after(Body& body) {
+// Updates the status after a step; removes lost bodies, which keep their last valid pose.
+void World::State::update_status(Body& body) {
   if (!body.is_moving()) return;
   body.status &= slowed;
   const Pose at = pose(body);
@@ -360,9 +313,9 @@ void World::State::look_after(Body& body) {
     body.rigid->setWorldTransform(body.last_good);
   } else {
     body.last_good = body.rigid->getWorldTransform();
-    if (at.position.norm() > far_away) body.status |= contact::status::far;
-    if (at.position.norm() > lost) body.status |= not_simulated;
-    if (const TexturedShape* flat = floor->flat()) body.status |= place_on(flat->relief(), at.position);
+    if (at.position.norm() > far_limit) body.status |= contact::status::far;
+    if (at.position.norm() > lost_limit) body.status |= not_simulated;
+    if (const TexturedShape* flat = floor->flat()) body.status |= place_status(flat->relief(), at.position);
   }
   if (body.is_simulated()) return;
   body.rigid->setLinearVelocity({0, 0, 0});

@@ -1,5 +1,5 @@
-// The scene in which contact is judged, for tests and for bench/contact: a relief of bricks 4 m a side and
-// 8 cm deep with slopes up to 77 degrees, and balls of 10 cm that roll over it, each for itself.
+// The reference scene for contact, shared by tests and bench/contact: a relief of bricks 4 m a side and 8 cm
+// deep with slopes up to 77 degrees, and balls of 10 cm that roll over it without touching each other.
 #pragma once
 
 #include <memory>
@@ -21,7 +21,7 @@ inline std::shared_ptr<const surface::Surface> floor(int size = 512) {
   return brick_surface(size, side);
 }
 
-// Neither bounce nor rolling resistance, which would hide faults of the contacts.
+// Without bounce and rolling resistance, which would hide contact errors.
 inline Material material(double friction = 0.5) {
   Material out;
   out.name = "scene";
@@ -36,7 +36,7 @@ struct NamedShape {
   contact::Shape shape;
 };
 
-// One of each kind, some 10 cm of radius.
+// One of each kind, about 10 cm in radius.
 inline std::vector<NamedShape> shapes() {
   std::vector<Vec3> corners;
   for (int k = 0; k < 32; ++k) {

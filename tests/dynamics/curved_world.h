@@ -11,7 +11,7 @@ namespace intaglio::tests {
 
 constexpr double g = 9.81;
 
-// A plain Bullet world whose penetrations are undone without a push.
+// A plain Bullet world that corrects penetrations without adding velocity.
 struct CurvedWorld : PlainBullet {
   explicit CurvedWorld(std::shared_ptr<const surface::Surface> floor = no_relief())
       : PlainBullet(std::move(floor)) {
@@ -29,16 +29,16 @@ struct CurvedWorld : PlainBullet {
 };
 
 inline Vec3 vec(const btVector3& v) {
-  return {static_cast<double>(v.x()), static_cast<double>(v.y()), static_cast<double>(v.z())};
+  return {double(v.x()), double(v.y()), double(v.z())};
 }
 
 // J/kg.
 inline double energy(const btRigidBody& body) {
-  const double mass = 1 / static_cast<double>(body.getInvMass());
+  const double mass = 1 / double(body.getInvMass());
   const btVector3 spin = body.getAngularVelocity();
   return 0.5 * vec(body.getLinearVelocity()).squaredNorm() +
-         0.5 * static_cast<double>(spin.dot(body.getInvInertiaTensorWorld().inverse() * spin)) / mass +
-         g * static_cast<double>(body.getWorldTransform().getOrigin().y());
+         0.5 * double(spin.dot(body.getInvInertiaTensorWorld().inverse() * spin)) / mass +
+         g * double(body.getWorldTransform().getOrigin().y());
 }
 
 }  // namespace intaglio::tests

@@ -1,5 +1,5 @@
-// Two bounces in one step that face each other, and driven bodies in worlds that take smaller steps: no
-// energy comes from either.
+// Two bounces in one step that face each other, and driven bodies in worlds that take substeps: neither
+// adds energy.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -72,7 +72,7 @@ TEST_CASE("a ball thrown into a groove narrower than a right angle comes out no 
   CHECK(worst < 0.02);
 }
 
-TEST_CASE("a paddle throws a ball as fast whether or not the world takes smaller steps for another") {
+TEST_CASE("a paddle throws a ball as fast whether or not the world takes substeps for another") {
   double first = 0;
   for (const double other : {0.0, 2.0, 6.0, 12.0}) {
     WorldOptions options;

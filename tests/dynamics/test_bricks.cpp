@@ -27,13 +27,12 @@ Run run(const std::shared_ptr<const surface::Surface>& s, const std::vector<Sphe
   World world = scene::world(s, options, balls);
   Run out;
   std::vector<double> before(balls.size());
-  for (std::size_t k = 0; k < balls.size(); ++k)
-    before[k] = scene::energy(world, static_cast<BodyId>(k + 1), balls[k]);
-  const int steps = static_cast<int>(std::lround(duration / options.step));
+  for (std::size_t k = 0; k < balls.size(); ++k) before[k] = scene::energy(world, BodyId(k + 1), balls[k]);
+  const int steps = int(std::lround(duration / options.step));
   for (int n = 0; n < steps; ++n) {
     world.step();
     for (std::size_t k = 0; watch == Watch::every_step && k < balls.size(); ++k) {
-      const auto id = static_cast<BodyId>(k + 1);
+      const auto id = BodyId(k + 1);
       const double now = scene::energy(world, id, balls[k]);
       out.gained += std::max(0.0, now - before[k]);
       before[k] = now;
@@ -41,16 +40,15 @@ Run run(const std::shared_ptr<const surface::Surface>& s, const std::vector<Sphe
       out.depths.push_back(std::max(0.0, balls[k].radius - nearest->distance));
     }
   }
-  out.seconds = static_cast<double>(balls.size()) * duration;
-  for (std::size_t k = 0; k < balls.size(); ++k)
-    out.at.push_back(world.pose(static_cast<BodyId>(k + 1)).position);
+  out.seconds = double(balls.size()) * duration;
+  for (std::size_t k = 0; k < balls.size(); ++k) out.at.push_back(world.pose(BodyId(k + 1)).position);
   return out;
 }
 
 double height_rms(const Run& a, const Run& b) {
   double sum = 0;
   for (std::size_t k = 0; k < a.at.size(); ++k) sum += std::pow(a.at[k].y() - b.at[k].y(), 2);
-  return std::sqrt(sum / static_cast<double>(a.at.size()));
+  return std::sqrt(sum / double(a.at.size()));
 }
 
 }  // namespace
@@ -58,7 +56,7 @@ double height_rms(const Run& a, const Run& b) {
 TEST_CASE("T3, T4: balls on bricks agree with the same run at 3840 Hz, the better the higher the rate") {
   const auto s = scene::floor(tests::poses(256, 512));
   const auto balls = scene::balls(*s, tests::poses(25, 100));
-  // The rate itself is judged, so no smaller steps inside.
+  // The rate itself is tested, so no substeps.
   const auto at_rate = [](int rate) {
     WorldOptions out = scene::options(rate);
     out.most_substeps = 1;
@@ -95,24 +93,24 @@ TEST_CASE("T5, T7: at 60 Hz and above balls on bricks gain no energy and stay ou
 TEST_CASE("T6: balls come to rest where they do at 3840 Hz" * doctest::test_suite("statistics")) {
   const auto s = scene::floor(tests::poses(256, 512));
   auto balls = scene::balls(*s, tests::poses(50, 400), 1, 6);
-  // They must stop: with rolling resistance.
+  // With rolling resistance, so that they stop.
   for (SphereBody& ball : balls) ball.material.rolling_resistance = 0.1;
   struct Rest {
     double in_mortar = 0, height = 0;
   };
   const auto rest = [&](int rate) {
     Rest out;
-    // On a brick's face the centre is a radius above it; lower by a twentieth is between bricks.
+    // On a brick's face the centre is a radius above it; lower by a twentieth means between bricks.
     for (const Vec3& at : run(s, balls, scene::options(rate), 5).at) {
       out.in_mortar += at.y() < 0.95 * scene::radius ? 1.0 : 0.0;
       out.height += at.y();
     }
-    out.in_mortar /= static_cast<double>(balls.size());
-    out.height /= static_cast<double>(balls.size());
+    out.in_mortar /= double(balls.size());
+    out.height /= double(balls.size());
     return out;
   };
   const Rest fine = rest(3840);
-  // With few balls one that rests elsewhere is a per cent: only the whole test asks the lower rates.
+  // With few balls, one that rests elsewhere is a per cent: only the full test checks the lower rates.
   for (const int rate : {60, 240, 960}) {
     const Rest here = rest(rate);
     MESSAGE(rate << " Hz: in mortar " << 100 * here.in_mortar << " %, mean height " << 1000 * here.height

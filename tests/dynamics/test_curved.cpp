@@ -20,7 +20,7 @@ TEST_CASE("a ball rolls to and fro in a smooth bowl at the frequency of the clos
   CurvedWorld plain;
   plain.add_rolling(0, bowl, Vec3::Zero());
   btSphereShape ball{btScalar(r)};
-  // Along a diagonal of no importance to the mesh.
+  // Along a diagonal that the mesh does not favour.
   const double heading = 0.3, rate = 480;
   const Vec3 out(std::cos(heading), 0, std::sin(heading));
   btRigidBody& body = plain.add_rolling(
@@ -41,7 +41,7 @@ TEST_CASE("a ball rolls to and fro in a smooth bowl at the frequency of the clos
   REQUIRE(crossings.size() == 9);
   const double frequency = 4 / (crossings.back() - crossings.front());
   const double closed = std::sqrt(5.0 / 7 * g / (R - r)) / (2 * std::numbers::pi);
-  // Of an amplitude that is not small: 1 + a^2 / 16 longer.
+  // The amplitude is not small: the period is longer by a factor of 1 + a^2 / 16.
   MESSAGE("frequency " << frequency << " Hz, closed form " << closed << ", off by "
                        << 100 * (frequency / closed - 1) << " %; energy " << first << " -> " << energy(body)
                        << " J/kg, highest " << highest - first << " over it, aside " << aside);
@@ -87,7 +87,7 @@ TEST_CASE(
                  << ", depth " << dimples->depth(under->uv) << ", speed "
                  << vec(body.getLinearVelocity()).norm());
     CHECK(vec(body.getLinearVelocity()).norm() < 1e-3);
-    // In a dimple, or at the bottom itself, where there are none: the last bits decide which.
+    // In a dimple, or at the bottom itself, which has none: rounding decides which.
     const bool at_bottom = 20 * under->uv.y() < 1;
     CHECK((at_bottom || dimples->depth(under->uv) > 0.5 * depth));
     CHECK(highest - first < 1e-4 * g * r);

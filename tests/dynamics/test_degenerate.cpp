@@ -32,7 +32,7 @@ WorldOptions options_for(Representation representation) {
   return out;
 }
 
-// Runs a world with that body and a good one for a second; what was said about the first.
+// Runs a world with that body and a valid one for a second; all status bits of the first.
 unsigned status_after(const ShapeBody& body, Representation representation, int steps = 60) {
   World world(scene::floor(128), scene::material(), options_for(representation));
   world.add(body);
@@ -60,7 +60,7 @@ unsigned status_after(const ShapeBody& body, Representation representation, int 
 
 }  // namespace
 
-TEST_CASE("bodies that cannot be simulated are said to be so and harm nobody") {
+TEST_CASE("bodies that cannot be simulated report it and affect no other") {
   for (const auto r : {Representation::flat, Representation::normal, Representation::relief}) {
     const Vec3 here(-0.5, 0.2, 0);
     CHECK((status_after(body_at(here, {0, 0, 0}, contact::Sphere{0}), r) & status::no_size) != 0);
@@ -81,7 +81,7 @@ TEST_CASE("bodies that cannot be simulated are said to be so and harm nobody") {
   }
 }
 
-TEST_CASE("a body beyond the edge falls, and that is said") {
+TEST_CASE("a body beyond the edge falls and reports it") {
   for (const auto r : {Representation::flat, Representation::normal, Representation::relief}) {
     CHECK((status_after(body_at({2.5, 0.2, 0}), r) & status::off_edge) != 0);
     World world(scene::floor(128), scene::material(), options_for(r));
@@ -91,7 +91,7 @@ TEST_CASE("a body beyond the edge falls, and that is said") {
   }
 }
 
-TEST_CASE("a body under the relief is said to be there, comes up, and is not thrown") {
+TEST_CASE("a body under the relief reports it, comes up, and is not thrown") {
   World world(scene::floor(128), scene::material(), options_for(Representation::relief));
   world.add(body_at({0.3, -0.25, 0.2}));
   world.step();

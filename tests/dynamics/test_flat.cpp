@@ -13,7 +13,7 @@ namespace scene = intaglio::tests::brick_scene;
 
 namespace {
 
-// A relief whose texels are all as deep: flat, but searched cell by cell.
+// A relief whose texels are equally deep: flat, but searched cell by cell.
 std::shared_ptr<const surface::Surface> even_relief() {
   return tests::made_surface(
       512, [](Vec2) { return 0.5; }, [](Vec2) { return Vec3::UnitZ(); }, 0.02 * scene::side,

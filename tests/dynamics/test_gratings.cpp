@@ -1,4 +1,4 @@
-// Two textured bodies: what no other method of the paper's can do.
+// Two textured bodies, which none of the paper's other methods can handle.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -15,12 +15,12 @@ namespace {
 
 constexpr double period = 0.08, depth = 0.02, slope_angle = 20 * std::numbers::pi / 180;
 
-// Ridges across X, on a square of `side` metres; the block's looks down from 5 cm under its middle.
+// Ridges across X, on a square of `side` metres; the block's face down, 5 cm under its middle.
 std::shared_ptr<const surface::Surface> grating(double side, const surface::Placement& placement) {
   const auto phase = [=](Vec2 uv) { return 2 * std::numbers::pi * (uv.x() * side - 0.5 * side) / period; };
   const double steepest = depth * std::numbers::pi / period;
   return tests::made_surface(
-      static_cast<int>(std::lround(side / 0.01)), [=](Vec2 uv) { return 0.5 + 0.5 * std::cos(phase(uv)); },
+      int(std::lround(side / 0.01)), [=](Vec2 uv) { return 0.5 + 0.5 * std::cos(phase(uv)); },
       [=](Vec2 uv) { return Vec3(-steepest * std::sin(phase(uv)), 0, 1); }, depth, placement);
 }
 
@@ -33,8 +33,8 @@ double slides(PlainBullet& plain, btCollisionShape& block, double height) {
   btRigidBody& body = plain.add(2, block, {btScalar(-0.4), btScalar(height), 0});
   body.setFriction(btScalar(0.45));
   plain.run(1, 240);
-  CHECK(static_cast<double>(body.getWorldTransform().getOrigin().y()) > -0.02);
-  return static_cast<double>(body.getWorldTransform().getOrigin().x()) + 0.4;
+  CHECK(double(body.getWorldTransform().getOrigin().y()) > -0.02);
+  return double(body.getWorldTransform().getOrigin().x()) + 0.4;
 }
 
 }  // namespace

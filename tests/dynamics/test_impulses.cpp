@@ -25,7 +25,7 @@ TEST_CASE(
     for (const SphereBody& ball : balls) world.add(ball);
     std::vector<Vec3> reported(balls.size(), Vec3::Zero()), before(balls.size());
     std::vector<double> exchanged(balls.size(), 0.0), worst(balls.size(), 0.0);
-    for (std::size_t k = 0; k < balls.size(); ++k) before[k] = world.velocity(static_cast<BodyId>(k + 1));
+    for (std::size_t k = 0; k < balls.size(); ++k) before[k] = world.velocity(BodyId(k + 1));
     constexpr int steps = 480, window = 24;
     double error = 0;
     for (int n = 1; n <= steps; ++n) {
@@ -35,9 +35,9 @@ TEST_CASE(
         exchanged[e.body - 1] += e.impulse.norm();
       }
       if (n % window != 0) continue;
-      // A tenth of a second at a time: what came in against what it did.
+      // A tenth of a second at a time: impulses against the change of momentum.
       for (std::size_t k = 0; k < balls.size(); ++k) {
-        const auto id = static_cast<BodyId>(k + 1);
+        const auto id = BodyId(k + 1);
         const double m = balls[k].mass(), time = window / 240.0;
         const Vec3 velocity = world.velocity(id);
         const Vec3 wanted = m * (velocity - before[k]) - m * Vec3(0, -scene::gravity, 0) * time;

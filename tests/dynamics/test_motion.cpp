@@ -1,4 +1,4 @@
-// Bodies that are fixed or driven, surfaces beside the floor, blows between bodies.
+// Bodies that are fixed or driven, surfaces beside the floor, impacts between bodies.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -57,7 +57,7 @@ TEST_CASE("a ball rests on a second surface at its height, and its events name t
   CHECK(world.pose(high).position.y() == doctest::Approx(0.45).epsilon(0.01));
 }
 
-TEST_CASE("a driven paddle throws a ball at its own speed and more; a fixed post stays") {
+TEST_CASE("a driven paddle throws a ball at its own speed or more; a fixed post stays") {
   World world(plate(Vec3::Zero()), *find_material("stone"), flat());
   ShapeBody paddle;
   paddle.shape = contact::Box{{0.02, 0.05, 0.1}};

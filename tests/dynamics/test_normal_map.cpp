@@ -122,13 +122,13 @@ TEST_CASE("T10: bodies on a normal map of bricks gain no energy against the impl
     for (int n = 0; n < steps; ++n) {
       world.step();
       for (std::size_t k = 0; k < least.size(); ++k) {
-        const double e = scene::energy(world, static_cast<BodyId>(k + 1), body);
+        const double e = scene::energy(world, BodyId(k + 1), body);
         risen = std::max(risen, e - least[k]);
         least[k] = std::min(least[k], e);
       }
     }
     int lost = 0, awake = 0;
-    for (BodyId id = 1; id <= static_cast<BodyId>(count); ++id) {
+    for (BodyId id = 1; id <= BodyId(count); ++id) {
       const double height = world.drawn_pose(id).position.y();
       lost += height > 0.03 && height < 0.3 ? 0 : 1;
       awake += world.velocity(id).norm() > 0 ? 1 : 0;

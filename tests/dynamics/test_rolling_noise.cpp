@@ -1,4 +1,4 @@
-// What a textured ball that rolls makes of its texture: a tone.
+// A rolling textured ball turns its texture into a tone.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -38,8 +38,8 @@ struct Rolled {
   double speed;                       // m/s, mean
 };
 
-// Along +X on its equator from -3 m, after a tenth of a second to settle; pulled gently, so that it keeps its
-// speed over the ridges.
+// Rolls along +X on its equator from -3 m, after a tenth of a second to settle; a gentle pull keeps its speed
+// over the ridges.
 Rolled roll(std::shared_ptr<const surface::Surface> floor, double speed) {
   CurvedWorld plain(std::move(floor));
   plain.add_rolling(0, plain.shape, Vec3::Zero());
@@ -50,7 +50,7 @@ Rolled roll(std::shared_ptr<const surface::Surface> floor, double speed) {
   body.setLinearVelocity({btScalar(speed), 0, 0});
   body.setAngularVelocity({0, 0, btScalar(-speed / radius)});
   Rolled out;
-  const int settling = static_cast<int>(0.1 * rate), steps = static_cast<int>(seconds * rate);
+  const int settling = int(0.1 * rate), steps = int(seconds * rate);
   double from = 0, last = 0;
   for (int k = 0; k < settling + steps; ++k) {
     if (k == settling) from = vec(body.getWorldTransform().getOrigin()).x();
@@ -66,16 +66,16 @@ Rolled roll(std::shared_ptr<const surface::Surface> floor, double speed) {
   return out;
 }
 
-// Amplitude at a frequency, Hann's window.
+// Amplitude at a frequency, with a Hann window.
 double amplitude(const std::vector<double>& signal, double frequency) {
   double mean = 0;
-  for (const double x : signal) mean += x / static_cast<double>(signal.size());
+  for (const double x : signal) mean += x / double(signal.size());
   std::complex<double> sum = 0;
   for (std::size_t k = 0; k < signal.size(); ++k) {
-    const double window = 1 - std::cos(2 * pi * static_cast<double>(k) / static_cast<double>(signal.size()));
-    sum += window * (signal[k] - mean) * std::polar(1.0, -2 * pi * frequency * static_cast<double>(k) / rate);
+    const double window = 1 - std::cos(2 * pi * double(k) / double(signal.size()));
+    sum += window * (signal[k] - mean) * std::polar(1.0, -2 * pi * frequency * double(k) / rate);
   }
-  return 2 * std::abs(sum) / static_cast<double>(signal.size());
+  return 2 * std::abs(sum) / double(signal.size());
 }
 
 // The frequency of the greatest amplitude; the resolution is 1 / seconds, the place of a peak is finer.
@@ -92,7 +92,7 @@ double peak(const std::vector<double>& signal, double low, double high) {
 
 }  // namespace
 
-TEST_CASE("a textured ball that rolls on a flat floor: its noise has the period of its texture" *
+TEST_CASE("a textured ball that rolls on a flat floor makes noise with the period of its texture" *
           doctest::test_suite("statistics")) {
   const auto flat = floor_of(
       4, [](Vec2) { return 0.0; }, 0);

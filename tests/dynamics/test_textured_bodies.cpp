@@ -1,12 +1,12 @@
-// Textured bodies that move, and curved floors, in a World: momentum, energy, rest, and what the events say.
+// Textured bodies that move, and curved floors, in a World: momentum, energy, rest, events.
 #include <doctest/doctest.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <string>
-#include <fmt/format.h>
 
 #include "dynamics/world.h"
 #include "dynamics/world_state.h"
@@ -35,7 +35,7 @@ std::shared_ptr<const surface::Surface> grating(double side, const surface::Plac
                                                 double deep = depth) {
   const auto phase = [=](Vec2 uv) { return 2 * pi * (uv.x() - 0.5) * side / period; };
   return tests::made_surface(
-      static_cast<int>(std::lround(side / 0.01)), [=](Vec2 uv) { return 0.5 + 0.5 * std::cos(phase(uv)); },
+      int(std::lround(side / 0.01)), [=](Vec2 uv) { return 0.5 + 0.5 * std::cos(phase(uv)); },
       [](Vec2) { return Vec3::UnitZ(); }, deep, placement);
 }
 
@@ -73,7 +73,7 @@ ShapeBody rough_ball(double radius, const Vec3& position, double deep = 0.004) {
   return out;
 }
 
-// What a world does, second by second, held to its laws.
+// Checks a world against conservation laws, second by second.
 struct Laws {
   World& world;
   std::vector<ShapeBody> bodies;
@@ -87,9 +87,9 @@ struct Laws {
     first = highest = lowest = energy();
     for (std::size_t k = 0; k < bodies.size(); ++k) before.push_back(world.velocity(id(k)));
   }
-  static BodyId id(std::size_t k) { return static_cast<BodyId>(k + 1); }
+  static BodyId id(std::size_t k) { return BodyId(k + 1); }
   double mass(std::size_t k) const { return bodies[k].mass(); }
-  // J, of all.
+  // J, of all bodies.
   double energy() const {
     double sum = 0;
     for (std::size_t k = 0; k < bodies.size(); ++k) {
@@ -102,13 +102,14 @@ struct Laws {
     }
     return sum;
   }
-  // J, a body's height once over.
+  // J, m g r of a body.
   double scale() const {
     double sum = 0;
     for (std::size_t k = 0; k < bodies.size(); ++k) sum += mass(k) * gravity.norm() * reach(bodies[k]);
     return sum;
   }
-  // Every event's impulse on its body, its opposite on the other, beside the change of momentum.
+  // Sums every event's impulse on its body, and its opposite on the other, to compare with the change of
+  // momentum.
   void run(double seconds, double rate) {
     for (int n = 0; n < seconds * rate; ++n) {
       world.step();
@@ -167,7 +168,7 @@ TEST_CASE("gratings of one period hold a slope that flat blocks slide down") {
   }
 }
 
-TEST_CASE("a stack of two gratings, both free: it settles, rests and stays; events name both and where") {
+TEST_CASE("a stack of two free gratings settles, rests and stays; events name both bodies and the place") {
   World world(flat(2), material(0.5), at_rate(240));
   Laws laws(world, {block({0, 0.0502, 0}, false, true), block({0, 0.135, 0}, true, false)}, {0, -g, 0});
   int begun = 0, ended = 0;
@@ -179,7 +180,7 @@ TEST_CASE("a stack of two gratings, both free: it settles, rests and stays; even
       CHECK(e.other == 2);
       CHECK(e.n_g.dot(Vec3::UnitY()) == doctest::Approx(-1).epsilon(1e-3));
       CHECK(std::abs(e.point.y() - 0.09) < 0.011);
-      // The face looks down: its v is turned round.
+      // The face is turned down, so its v is reversed.
       CHECK((e.uv - Vec2(0.5 + e.point.x() / 0.32, 0.5 + e.point.z() / 0.32)).norm() < 0.01);
       begun += e.phase == ContactPhase::begin ? 1 : 0;
       ended += e.phase == ContactPhase::end ? 1 : 0;
@@ -200,7 +201,7 @@ TEST_CASE("a stack of two gratings, both free: it settles, rests and stays; even
   CHECK(world.events().empty());
 }
 
-TEST_CASE("balls lie on a slab's relief and on another's plain back; both slabs are free") {
+TEST_CASE("balls lie on the relief of one free slab and on the plain back of another") {
   World world(flat(2), material(0.5), at_rate(240));
   ShapeBody ball;
   ball.shape = contact::Sphere{0.03};
@@ -213,7 +214,7 @@ TEST_CASE("balls lie on a slab's relief and on another's plain back; both slabs 
   laws.run(4, 240);
   MESSAGE(laws.say() << "; " << world.pose(3).position.transpose() << ", "
                      << world.pose(4).position.transpose());
-  // In the groove of the middle: its bottom is at 8 cm, and it is too narrow for the ball.
+  // In the middle groove: its bottom is at 8 cm, and it is too narrow for the ball.
   CHECK(std::abs(world.pose(3).position.x()) < 1e-4);
   CHECK(world.pose(3).position.y() > 0.11);
   CHECK(world.pose(3).position.y() < 0.115);
@@ -223,7 +224,7 @@ TEST_CASE("balls lie on a slab's relief and on another's plain back; both slabs 
   CHECK(world.momentum_residual() < 1e-3 * laws.mass(2) * g / 240);
 }
 
-TEST_CASE("blocks with gratings tumble onto a grating: no energy from nowhere, none lost in the floor") {
+TEST_CASE("blocks with gratings tumble onto a grating, gain no energy, and none falls through") {
   World world(grating(2.4, tests::flat_placement(2.4)), material(0.5), at_rate(480));
   std::vector<ShapeBody> blocks;
   for (int k = 0; k < 3; ++k) {
@@ -242,7 +243,7 @@ TEST_CASE("blocks with gratings tumble onto a grating: no energy from nowhere, n
   CHECK(world.momentum_residual() < 1e-3 * laws.mass(0) * g / 480);
 }
 
-TEST_CASE("a relief ball rolls on a relief floor, and meets a relief block that is pushed away") {
+TEST_CASE("a relief ball rolls on a relief floor and pushes a relief block away") {
   World world(grating(2.4, tests::flat_placement(2.4), 0.004), material(0.5), at_rate(240));
   ShapeBody ball = rough_ball(0.1, {-0.4, 0.105, 0.02});
   ball.velocity = {0.8, 0, 0};
@@ -265,7 +266,7 @@ TEST_CASE("a relief ball rolls on a relief floor, and meets a relief block that 
   CHECK(world.momentum_residual() < 1e-3 * laws.mass(1) * g / 240);
 }
 
-TEST_CASE("in a relief bowl for a floor, ball and box come to rest; bare, it is smooth") {
+TEST_CASE("a ball and a box come to rest in a relief bowl; without relief the bowl is smooth") {
   const auto bowl =
       tests::relief_on(tests::tiled(surface::make_bowl(0.5, 96, 48), {4, 2}), tests::brick_surface(128));
   for (const auto representation : {Representation::relief, Representation::flat}) {
@@ -287,7 +288,7 @@ TEST_CASE("in a relief bowl for a floor, ball and box come to rest; bare, it is 
       for (const ContactEvent& e : world.events()) {
         if (e.other != floor_body) continue;
         ++said;
-        // The bowl's normal points to its middle, wherever one is.
+        // The bowl's normal points to its middle everywhere.
         CHECK(e.n_g.dot(-e.point.normalized()) > 0.999);
         CHECK(e.point.norm() < 0.525);
         CHECK(e.uv.y() > 0);
@@ -305,7 +306,8 @@ TEST_CASE("in a relief bowl for a floor, ball and box come to rest; bare, it is 
   }
 }
 
-TEST_CASE("a box with gratings above and below comes to rest in a relief bowl; its upper one meets nothing") {
+TEST_CASE(
+    "a box with gratings above and below comes to rest in a relief bowl; the upper one touches nothing") {
   const auto bowl =
       tests::relief_on(tests::tiled(surface::make_bowl(0.5, 96, 48), {4, 2}), tests::brick_surface(128));
   World world(bowl, material(0.5), at_rate(240));
@@ -326,11 +328,11 @@ TEST_CASE("a box with gratings above and below comes to rest in a relief bowl; i
   CHECK(world.pose(1).position.norm() < 0.5);
   CHECK(world.velocity(1).norm() < 0.01);
   CHECK(laws.highest == laws.first);
-  // It slides to rest on a few summits, and undoing overlaps lifts it a hair.
+  // It slides to rest on a few summits, and correcting overlaps lifts it slightly.
   CHECK(laws.rise < 5e-3 * laws.scale());
 }
 
-TEST_CASE("two relief balls in a relief bowl: they meet it and each other, and gain no energy" *
+TEST_CASE("two relief balls touch a relief bowl and each other, and gain no energy" *
           doctest::test_suite("statistics")) {
   const auto bowl =
       tests::relief_on(tests::tiled(surface::make_bowl(0.5, 64, 32), {4, 2}), tests::brick_surface(64));
@@ -353,7 +355,7 @@ TEST_CASE("two relief balls in a relief bowl: they meet it and each other, and g
   CHECK(world.momentum_residual() < 1e-3 * laws.mass(0) * g / 240);
 }
 
-TEST_CASE("two textured bodies meet in free space: momentum is theirs, energy does not rise") {
+TEST_CASE("two textured bodies collide in free space: momentum is conserved, energy does not rise") {
   WorldOptions options = at_rate(480);
   options.gravity.setZero();
   // The floor is far below.
@@ -372,7 +374,7 @@ TEST_CASE("two textured bodies meet in free space: momentum is theirs, energy do
   CHECK(world.velocity(1).y() < -0.1);
 }
 
-TEST_CASE("what cannot be simulated says so: an open skin, a skin without size") {
+TEST_CASE("an open skin and a skin without size report that they are not simulated") {
   World world(flat(2), material(0.5), at_rate(240));
   ShapeBody open = rough_ball(0.1, {0, 1, 0});
   open.skin = tests::relief_on(surface::make_bowl(0.1, 24, 12), tests::no_relief());

@@ -18,12 +18,12 @@ namespace {
 
 double height_after_fall(PlainBullet& plain, btRigidBody& body) {
   plain.run(4);
-  return static_cast<double>(body.getWorldTransform().getOrigin().y());
+  return double(body.getWorldTransform().getOrigin().y());
 }
 
 }  // namespace
 
-TEST_CASE("in a plain Bullet world, in both orders of a pair, bodies come to rest on the relief") {
+TEST_CASE("in a plain Bullet world, bodies come to rest on the relief in both orders of a pair") {
   const auto s = scene::floor(128);
   btSphereShape ball(btScalar(0.1));
   btSphereShape small_ball(btScalar(0.05));
@@ -63,7 +63,7 @@ TEST_CASE("in a plain Bullet world, in both orders of a pair, bodies come to res
   }
 }
 
-TEST_CASE("the surface goes where its body is: moved, turned, and as a part of a compound") {
+TEST_CASE("the surface follows its body: moved, turned, and as a part of a compound") {
   const auto s = scene::floor(128);
   btSphereShape ball(btScalar(0.1));
   PlainBullet here(s);
@@ -94,8 +94,8 @@ TEST_CASE("ray casts and contact tests of Bullet see the relief") {
     plain.world.rayTest(from, to, hit);
     REQUIRE(hit.hasHit());
     const surface::Placement& place = s->placement();
-    // Two triangles for a bilinear patch: off by a quarter of its warp.
-    CHECK(static_cast<double>(hit.m_hitPointWorld.y()) ==
+    // Two triangles differ from a bilinear patch by a quarter of its warp.
+    CHECK(double(hit.m_hitPointWorld.y()) ==
           doctest::Approx(-s->depth(place.uv(place.to_local({x, 0, z})))).epsilon(0.01).scale(1));
   }
   struct Deepest : btCollisionWorld::ContactResultCallback {
@@ -103,8 +103,8 @@ TEST_CASE("ray casts and contact tests of Bullet see the relief") {
     Vec3 normal;
     btScalar addSingleResult(btManifoldPoint& p, const btCollisionObjectWrapper* a, int, int,
                              const btCollisionObjectWrapper*, int, int) override {
-      if (static_cast<double>(p.getDistance()) > distance) return 0;
-      distance = static_cast<double>(p.getDistance());
+      if (double(p.getDistance()) > distance) return 0;
+      distance = double(p.getDistance());
       const btVector3 n = a->getCollisionShape()->isConvex() ? p.m_normalWorldOnB : -p.m_normalWorldOnB;
       normal = {n.x(), n.y(), n.z()};
       return 0;
@@ -126,4 +126,48 @@ TEST_CASE("ray casts and contact tests of Bullet see the relief") {
     CHECK(deepest.distance == doctest::Approx(-0.01).epsilon(0.01));
     CHECK(deepest.normal.y() > 0);
   }
+}
+
+TEST_CASE("a Bullet program can look up what the query knew of a contact, and its own marks are left alone") {
+  const auto s = scene::floor(128);
+  TexturedShape shape(s);
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher(&configuration);
+  ContactRecords records(dispatcher);
+  btDbvtBroadphase broadphase;
+  btSequentialImpulseConstraintSolver solver;
+  btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
+  btSphereShape ball(btScalar(0.1));
+  btRigidBody ground(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &shape));
+  btRigidBody body(btRigidBody::btRigidBodyConstructionInfo(1, nullptr, &ball, {1, 1, 1}));
+  body.getWorldTransform().setOrigin({btScalar(0.31), btScalar(0.2), btScalar(0.17)});
+  world.addRigidBody(&ground);
+  world.addRigidBody(&body);
+  int seen = 0, touches = 0;
+  for (int k = 0; k < 120; ++k) {
+    world.stepSimulation(btScalar(1) / 120, 0);
+    for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+      const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
+      for (int p = 0; p < manifold.getNumContacts(); ++p) {
+        const btManifoldPoint& point = manifold.getContactPoint(p);
+        const ContactRecord* record = records.find(manifold, point);
+        REQUIRE(record != nullptr);
+        REQUIRE(record->on_b);
+        CHECK_FALSE(record->on_a);
+        const surface::Placement& place = s->placement();
+        const btVector3& on = point.m_positionWorldOnB;
+        CHECK((record->on_b->uv - place.uv(place.to_local({on.x(), on.y(), on.z()}))).norm() < 1e-6);
+        CHECK((record->on_b->n_s - s->world_normal(record->on_b->uv)).norm() < 1e-12);
+        CHECK(point.m_userPersistentData == nullptr);
+        CHECK(point.m_contactMotion1 == 0);
+        CHECK(point.m_contactMotion2 == 0);
+        ++seen;
+        touches += record->touch_time ? 1 : 0;
+      }
+    }
+  }
+  CHECK(seen > 60);
+  CHECK(touches > 0);
+  world.removeRigidBody(&body);
+  world.removeRigidBody(&ground);
 }

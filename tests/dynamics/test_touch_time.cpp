@@ -1,5 +1,5 @@
-// When within a step of 2 ms did it touch? Asked of a world with steps 16 times as short, started anew before
-// every blow from what the world with long steps had reached.
+// The time of a touch within a step of 2 ms, compared with a world whose steps are 16 times shorter,
+// restarted before every impact from the state of the coarse world.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -41,12 +41,12 @@ struct Run {
     return made;
   }
 
-  // Of a blow of `impulse` (N s) at about `guess` s after `before`: when the fine world has one of at least a
-  // quarter of it (one of both may just bounce where the other just does not), the nearest. Its impulse is
-  // what comes within half a millisecond beyond what was there before.
+  // For an impact of `impulse` (N s) at about `guess` s after `before`: the time of the nearest impact in the
+  // fine world of at least a quarter of it (near the threshold, one of the two may bounce and the other not).
+  // Its impulse is the sum over half a millisecond, less the resting contact before.
   double distance_to_blow(const State& before, double impulse, double guess) const {
     World fine = world(step / finer);
-    // Flying, the world with long steps is where the parabola is that is faster by half a step's fall.
+    // In flight, the coarse world follows the parabola that is faster by half a step of gravity.
     const Vec3 fall = before.flies ? Vec3(0, -9.81 * step / 2, 0) : Vec3::Zero();
     fine.put(1, before.pose, before.velocity + fall, before.angular_velocity);
     std::vector<double> each;
@@ -68,7 +68,7 @@ struct Run {
     return best;
   }
 
-  // All blows of a run, s from the fine world's.
+  // The timing errors of all impacts of a run, s.
   std::vector<double> errors(double seconds, double least_speed) const {
     World coarse = world(step);
     std::deque<State> past{state_of(coarse)};
@@ -78,7 +78,7 @@ struct Run {
       coarse.step();
       double whole = 0;
       for (const ContactEvent& event : coarse.events()) whole += event.impulse.norm();
-      // The first of those that matter.
+      // The first point with a significant impulse.
       const ContactEvent* blow = nullptr;
       for (const ContactEvent& event : coarse.events()) {
         if (!std::isnan(event.touch_age) && event.impulse.norm() > whole / 3 &&
@@ -95,7 +95,7 @@ struct Run {
         out.push_back(distance_to_blow(past.front(), blow->impulse.norm(), guess));
       }
       last = whole;
-      // What grazes it is no hold.
+      // A grazing contact does not support it.
       past.back().flies = whole < 0.5 * ball.mass() * 9.81 * step;
       past.push_back(state_of(coarse));
       if (past.size() > 2) past.pop_front();
@@ -127,7 +127,7 @@ void tell(const std::string& what, const std::vector<double>& errors) {
 
 }  // namespace
 
-TEST_CASE("blows of a ball that rolls over a grating are timed within a millisecond at 480 Hz") {
+TEST_CASE("impacts of a ball that rolls over a grating are timed within a millisecond at 480 Hz") {
   for (const auto& grooves : {std::pair{0.02, 0.0002}, {0.01, 0.0001}, {0.03, 0.001}}) {
     const double wavelength = grooves.first;
     const auto surface = grating(wavelength, grooves.second);
@@ -150,7 +150,7 @@ TEST_CASE("blows of a ball that rolls over a grating are timed within a millisec
   }
 }
 
-TEST_CASE("blows of a ball that bounces are timed within a millisecond at 480 Hz") {
+TEST_CASE("impacts of a bouncing ball are timed within a millisecond at 480 Hz") {
   Run run{tests::brick_surface(128, side), without_rolling(0.7), {radius, without_rolling(0.9)}};
   std::vector<double> errors;
   for (int k = 0; k < 12; ++k) {
@@ -163,7 +163,7 @@ TEST_CASE("blows of a ball that bounces are timed within a millisecond at 480 Hz
   CHECK(errors.back() < 1e-3);
 }
 
-TEST_CASE("a ball's bounces keep what restitution leaves them: each apex is its square of the one before") {
+TEST_CASE("a bouncing ball keeps the energy that restitution leaves: each apex is e^2 of the one before") {
   const auto plane = tests::made_surface(
       16, [](Vec2) { return 0.0; }, [](Vec2) { return Vec3(0, 0, 1); }, 0.001, tests::flat_placement(side));
   for (const int rate : {240, 480, 960}) {

@@ -38,7 +38,7 @@ double energy(const World& world, const SphereBody& ball) {
 
 }  // namespace
 
-TEST_CASE("momentum: reported impulses and gravity account for every change of velocity (Eq. 1.1)") {
+TEST_CASE("reported impulses and gravity account for every change of velocity (Eq. 1.1)") {
   for (const auto representation : {Representation::flat, Representation::normal, Representation::relief}) {
     World world(tests::brick_surface(256), *find_material("brick"), options_for(representation));
     const SphereBody ball = ball_at({-0.3, 0.12, 0.2}, {0.8, 0, -0.4});
@@ -48,7 +48,7 @@ TEST_CASE("momentum: reported impulses and gravity account for every change of v
   }
 }
 
-TEST_CASE("a ball on relief gains no energy but rounding") {
+TEST_CASE("a ball on relief gains no energy beyond rounding") {
   World world(tests::brick_surface(256), *find_material("brick"), options_for(Representation::relief));
   const SphereBody ball = ball_at({-0.42, 0.12, 0.3}, {1.0, 0, -0.4});
   world.add(ball);
@@ -127,7 +127,7 @@ TEST_CASE("events begin once, persist, and end") {
   }
 }
 
-TEST_CASE("two runs are the same to the bit; the paper's method and ours both work") {
+TEST_CASE("two runs are identical to the bit; the paper's method and ours both work") {
   for (const auto method : {ContactMethod::closest, ContactMethod::directional}) {
     const auto run = [&] {
       WorldOptions options;
