@@ -18,7 +18,7 @@ void require(bool holds) {
   if (!holds) std::abort();
 }
 
-bool same(View a, View b) {
+bool same(ByteView a, ByteView b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end());
 }
 
@@ -30,7 +30,7 @@ void learn(const Message& message, PeerNames& names) {
   if (message.type == type_description) names.learn_type(message.sender, *name);
 }
 
-void check_force(Type type, View payload) {
+void check_force(Type type, ByteView payload) {
   RequestedForce requested({1000, 1000});
   if (type == Type::plane)
     if (const auto plane = decode_plane(payload)) requested.set(*plane);
@@ -64,12 +64,12 @@ void examine(const Message& message, PeerNames& names) {
   check_force(taken, message.payload);
 }
 
-void examine_stream(View bytes) {
+void examine_stream(ByteView bytes) {
   Framer framer;
   PeerNames names;
   // In pieces of uneven size, as the network cuts it.
   for (std::size_t at = 0, piece = 1; at < bytes.size(); piece = piece * 7 % 1459 + 1) {
-    const View cut = bytes.subspan(at, std::min(piece, bytes.size() - at));
+    const ByteView cut = bytes.subspan(at, std::min(piece, bytes.size() - at));
     framer.feed(cut);
     at += cut.size();
     while (const auto message = framer.next()) examine(*message, names);
@@ -80,7 +80,7 @@ void examine_stream(View bytes) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const View bytes(data, size);
+  const ByteView bytes(data, size);
   if (size >= cookie_size && read_cookie(bytes.first(cookie_size)).match != CookieMatch::not_vrpn)
     examine_stream(bytes.subspan(cookie_size));
   else

@@ -1,4 +1,4 @@
-// What is behind intaglio::Device (include/intaglio/haptics.h), for the libraries that make one.
+// The implementation behind intaglio::Device (include/intaglio/haptics.h), for the libraries that make one.
 #pragma once
 
 #include <memory>

@@ -99,7 +99,7 @@ void Side::check(const Message& message) {
 void Side::feed(const Bytes& bytes) {
   framer.feed(bytes);
   if (!greeted) {
-    const View cookie = framer.take(cookie_size);
+    const ByteView cookie = framer.take(cookie_size);
     if (cookie.empty()) return;
     greeted = true;
     CHECK(read_cookie(cookie).match == CookieMatch::same);

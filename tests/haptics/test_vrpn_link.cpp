@@ -198,7 +198,7 @@ TEST_CASE("a peer is dropped for a missing or wrong cookie, and for a message th
   const Bytes message = framed(Type::force, ForceReport{});
   bool open = true;
   for (std::size_t k = 0; open && k < message.size() - 1; ++k) {
-    open = dawdling.write(View(message).subspan(k, 1)) && dawdling.kept(std::chrono::milliseconds(20));
+    open = dawdling.write(ByteView(message).subspan(k, 1)) && dawdling.kept(std::chrono::milliseconds(20));
   }
   CHECK_FALSE(open);
   CHECK(sound.kept());

@@ -93,7 +93,7 @@ TEST_CASE("a name is padded to a multiple of eight, and the length does not coun
   const ParsedMessage parsed = parse_message(out);
   CHECK(parsed.size == 40);
   CHECK(decode_name(parsed.message.payload) == "Phantom0");
-  CHECK(parse_message(View(out).first(39)).frame == Frame::partial);
+  CHECK(parse_message(ByteView(out).first(39)).frame == Frame::partial);
 }
 
 TEST_CASE("poses, forces and planes have the bytes of their descriptions") {
@@ -263,7 +263,7 @@ TEST_CASE("every payload decodes to what was encoded, and a truncated one is rej
     };
     for (const auto& [type, payload] : payloads) {
       RC_ASSERT(reencode(type, payload) == payload);
-      RC_ASSERT_FALSE(reencode(type, View(payload).first(payload.size() - 1)));
+      RC_ASSERT_FALSE(reencode(type, ByteView(payload).first(payload.size() - 1)));
       Bytes longer = payload;
       longer.push_back(0);
       RC_ASSERT_FALSE(reencode(type, longer));

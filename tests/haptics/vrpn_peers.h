@@ -82,7 +82,7 @@ class RawPeer {
   }
 
   // False once the peer has hung up.
-  bool write(View bytes) {
+  bool write(ByteView bytes) {
     while (!bytes.empty()) {
       const ssize_t size = ::send(socket_.fd(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
       if (size < 0 && errno != EAGAIN) return false;

@@ -16,7 +16,7 @@ std::optional<Bytes> encoded(const std::optional<T>& decoded) {
 }
 
 // Nothing when the decoder rejects the payload.
-inline std::optional<Bytes> reencode(Type type, View payload) {
+inline std::optional<Bytes> reencode(Type type, ByteView payload) {
   switch (type) {
     case Type::ping:
     case Type::pong:
@@ -56,7 +56,7 @@ inline std::optional<Bytes> reencode(Type type, View payload) {
 }
 
 // The same for system messages with an encoder.
-inline std::optional<Bytes> reencode_system(std::int32_t type, View payload) {
+inline std::optional<Bytes> reencode_system(std::int32_t type, ByteView payload) {
   Bytes out;
   if (type == sender_description || type == type_description) {
     const auto name = decode_name(payload);

@@ -13,8 +13,8 @@ Result<Device> open_vrpn(const std::string& address, const VrpnOptions& options)
   if (!parsed) return tl::unexpected(parsed.error());
   vrpn::VrpnDeviceOptions wanted;
   wanted.force_mode = options.force == VrpnForce::field   ? vrpn::ForceMode::field
-                    : options.force == VrpnForce::plane ? vrpn::ForceMode::plane
-                                                        : vrpn::ForceMode::force;
+                      : options.force == VrpnForce::plane ? vrpn::ForceMode::plane
+                                                          : vrpn::ForceMode::force;
   wanted.silence = options.silence;
   wanted.plane_stiffness = options.plane_stiffness;
   wanted.plane_damping = options.plane_damping;

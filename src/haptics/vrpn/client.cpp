@@ -1,7 +1,7 @@
 #include "haptics/vrpn/client.h"
 
-#include <charconv>
 #include <fmt/format.h>
+#include <charconv>
 
 #include "haptics/vrpn/message.h"
 

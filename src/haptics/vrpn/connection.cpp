@@ -51,7 +51,7 @@ void Connection::read_tcp(SteadyTime now, const Handler& handler) {
       return;
     }
     if (established_ && framer_.waiting() == 0) waiting_since_ = now;
-    framer_.feed(View(scratch_).first(std::size_t(size)));
+    framer_.feed(ByteView(scratch_).first(std::size_t(size)));
     if (!established_ && !check_cookie()) continue;
     handle_messages(now, handler);
   }
@@ -68,7 +68,7 @@ void Connection::handle_messages(SteadyTime now, const Handler& handler) {
 }
 
 bool Connection::check_cookie() {
-  const View bytes = framer_.take(cookie_size);
+  const ByteView bytes = framer_.take(cookie_size);
   if (bytes.empty()) return false;
   peer_cookie_ = read_cookie(bytes);
   established_ = peer_cookie_.match != CookieMatch::not_vrpn;
@@ -166,7 +166,7 @@ void Connection::read_udp(const Handler& handler) {
     if (!datagram) return;
     if (datagram->from.host != peer_.host) continue;
     ++datagrams_received_;
-    View rest = datagram->bytes;
+    ByteView rest = datagram->bytes;
     while (!rest.empty()) {
       const ParsedMessage parsed = parse_message(rest);
       if (parsed.frame != Frame::complete) {

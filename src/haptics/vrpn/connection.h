@@ -21,7 +21,7 @@ struct Received {
   Type type = Type::ping;
   std::string_view sender;  // name
   Stamp time;
-  View payload;
+  ByteView payload;
 };
 
 enum class Channel { reliable, low_latency };

@@ -40,14 +40,14 @@ std::string_view describe(ForceError error) {
   return "";
 }
 
-std::optional<ForceReport> decode_force(View payload) {
+std::optional<ForceReport> decode_force(ByteView payload) {
   Reader reader(payload);
   const ForceReport force{reader.vec3()};
   if (!reader.at_end() || !force.newtons.allFinite()) return std::nullopt;
   return force;
 }
 
-std::optional<ContactPose> decode_scp(View payload) {
+std::optional<ContactPose> decode_scp(ByteView payload) {
   Reader reader(payload);
   const Vec3 position = reader.vec3();
   const auto quat = read_quat(reader);
@@ -55,7 +55,7 @@ std::optional<ContactPose> decode_scp(View payload) {
   return ContactPose{position, *quat};
 }
 
-std::optional<PlaneMessage> decode_plane(View payload) {
+std::optional<PlaneMessage> decode_plane(ByteView payload) {
   Reader reader(payload);
   const auto f = read_floats<8>(reader);
   const std::int32_t index = reader.i32(), recovery_cycles = reader.i32();
@@ -64,7 +64,7 @@ std::optional<PlaneMessage> decode_plane(View payload) {
   return PlaneMessage{v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], index, recovery_cycles};
 }
 
-std::optional<PlaneEffects> decode_plane_effects(View payload) {
+std::optional<PlaneEffects> decode_plane_effects(ByteView payload) {
   Reader reader(payload);
   const auto f = read_floats<6>(reader);
   if (!f || !reader.at_end()) return std::nullopt;
@@ -72,7 +72,7 @@ std::optional<PlaneEffects> decode_plane_effects(View payload) {
   return PlaneEffects{v[0], v[1], v[2], v[3], v[4], v[5]};
 }
 
-std::optional<ForceField> decode_force_field(View payload) {
+std::optional<ForceField> decode_force_field(ByteView payload) {
   Reader reader(payload);
   const auto f = read_floats<16>(reader);
   if (!f || !reader.at_end() || (*f)[15] < 0) return std::nullopt;
@@ -87,7 +87,7 @@ std::optional<ForceField> decode_force_field(View payload) {
   return field;
 }
 
-std::optional<ForceError> decode_force_error(View payload) {
+std::optional<ForceError> decode_force_error(ByteView payload) {
   Reader reader(payload);
   const std::int32_t code = reader.i32();
   if (!reader.at_end() || code < 0 || code > std::int32_t(ForceError::ok)) return std::nullopt;

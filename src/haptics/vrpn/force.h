@@ -50,12 +50,12 @@ struct ForceField {
 enum class ForceError : std::int32_t { out_of_range, duty_cycle, force_too_high, misc, ok };
 std::string_view describe(ForceError error);
 
-std::optional<ForceReport> decode_force(View payload);
-std::optional<ContactPose> decode_scp(View payload);
-std::optional<PlaneMessage> decode_plane(View payload);
-std::optional<PlaneEffects> decode_plane_effects(View payload);
-std::optional<ForceField> decode_force_field(View payload);
-std::optional<ForceError> decode_force_error(View payload);
+std::optional<ForceReport> decode_force(ByteView payload);
+std::optional<ContactPose> decode_scp(ByteView payload);
+std::optional<PlaneMessage> decode_plane(ByteView payload);
+std::optional<PlaneEffects> decode_plane_effects(ByteView payload);
+std::optional<ForceField> decode_force_field(ByteView payload);
+std::optional<ForceError> decode_force_error(ByteView payload);
 
 void encode(Bytes& out, const ForceReport& force);
 void encode(Bytes& out, const ContactPose& contact);

@@ -14,7 +14,7 @@ Stamp Stamp::now() {
   return {std::int32_t(since / 1000000), std::int32_t(since % 1000000)};
 }
 
-ParsedMessage parse_message(View bytes) {
+ParsedMessage parse_message(ByteView bytes) {
   if (bytes.size() < header_size) return {};
   Reader header(bytes.first(header_size));
   const std::int32_t length = header.i32();
@@ -47,7 +47,7 @@ void append_message(Bytes& out, const Message& message) {
   out.resize(end);
 }
 
-void Framer::feed(View bytes) {
+void Framer::feed(ByteView bytes) {
   buffer_.erase(buffer_.begin(), buffer_.begin() + std::ptrdiff_t(used_));
   used_ = 0;
   buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
@@ -63,9 +63,9 @@ std::optional<Message> Framer::next() {
   }
 }
 
-View Framer::take(std::size_t size) {
+ByteView Framer::take(std::size_t size) {
   if (waiting() < size) return {};
-  const View bytes = rest().first(size);
+  const ByteView bytes = rest().first(size);
   used_ += size;
   return bytes;
 }
@@ -85,7 +85,7 @@ std::array<std::uint8_t, cookie_size> our_cookie() {
   return cookie;
 }
 
-Cookie read_cookie(View bytes) {
+Cookie read_cookie(ByteView bytes) {
   if (bytes.size() != cookie_size) return {};
   const std::string_view text = text_of(bytes);
   const std::string_view major = magic.substr(0, magic.rfind('.') + 1);
@@ -159,7 +159,7 @@ bool is_valid_host(std::string_view host) {
 
 }  // namespace
 
-std::optional<std::string_view> decode_name(View payload) {
+std::optional<std::string_view> decode_name(ByteView payload) {
   Reader reader(payload);
   const std::int32_t length = reader.i32();
   if (length < 2 || length > std::int32_t(name_limit)) return std::nullopt;
@@ -175,7 +175,7 @@ void encode_name(Bytes& out, std::string_view name) {
   out.push_back(0);
 }
 
-std::optional<std::string> decode_udp_host(View payload) {
+std::optional<std::string> decode_udp_host(ByteView payload) {
   const std::string_view text = text_of(payload);
   if (text.empty() || text.back() != '\0' || !is_valid_host(text.substr(0, text.size() - 1)))
     return std::nullopt;
@@ -187,7 +187,7 @@ void encode_udp_host(Bytes& out, std::string_view host) {
   out.push_back(0);
 }
 
-bool is_valid_log_description(View payload) {
+bool is_valid_log_description(ByteView payload) {
   Reader reader(payload);
   const std::int64_t in = reader.i32(), out = reader.i32();
   const auto limit = std::int64_t(message_limit);
@@ -197,7 +197,7 @@ bool is_valid_log_description(View payload) {
   return left >= in + out && left <= in + out + 2;
 }
 
-std::optional<DialRequest> decode_dial_request(View datagram) {
+std::optional<DialRequest> decode_dial_request(ByteView datagram) {
   std::string_view text = text_of(datagram);
   if (text.empty() || text.back() != '\0') return std::nullopt;
   text.remove_suffix(1);

@@ -18,13 +18,13 @@
 namespace intaglio::haptics::vrpn {
 
 using Bytes = std::vector<std::uint8_t>;
-using View = std::span<const std::uint8_t>;
+using ByteView = std::span<const std::uint8_t>;
 
 // Reads numbers as VRPN sends them: big-endian, IEEE floats. Reading is bounded: everything beyond the end
 // reads as zero and makes ok() false, so that a decoder checks once, at its end, before using any value.
 class Reader {
  public:
-  explicit Reader(View bytes) : bytes_(bytes) {}
+  explicit Reader(ByteView bytes) : bytes_(bytes) {}
 
   std::uint32_t u32() { return big_endian<std::uint32_t>(); }
   std::int32_t i32() { return std::int32_t(u32()); }
@@ -35,9 +35,9 @@ class Reader {
     return {x, y, z};
   }
   // The next `size` bytes; empty when there are fewer.
-  View raw(std::size_t size) {
+  ByteView raw(std::size_t size) {
     if (size > bytes_.size()) ok_ = false;
-    const View taken = ok_ ? bytes_.first(size) : View();
+    const ByteView taken = ok_ ? bytes_.first(size) : ByteView();
     bytes_ = bytes_.subspan(taken.size());
     return taken;
   }
@@ -54,7 +54,7 @@ class Reader {
     return value;
   }
 
-  View bytes_;
+  ByteView bytes_;
   bool ok_ = true;
 };
 
@@ -84,7 +84,7 @@ inline bool is_printable(char c) {
   return c >= ' ' && c <= '~';
 }
 
-inline std::string_view text_of(View bytes) {
+inline std::string_view text_of(ByteView bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
@@ -121,7 +121,7 @@ struct Message {
   std::int32_t sender = 0;    // id, chosen by the sending side
   std::int32_t type = 0;      // id, chosen by the sending side; negative: system
   std::int32_t sequence = 0;  // ignored by receivers
-  View payload;
+  ByteView payload;
 };
 
 enum class Frame {
@@ -137,7 +137,7 @@ struct ParsedMessage {
 };
 
 // Parses the first message of `bytes`; its payload points into them.
-ParsedMessage parse_message(View bytes);
+ParsedMessage parse_message(ByteView bytes);
 
 // Appends the message with its header, padded with zeros. Must not exceed message_limit.
 void append_message(Bytes& out, const Message& message);
@@ -150,18 +150,18 @@ void append_message(Bytes& out, const Message& message);
 class Framer {
  public:
   // Appends bytes as they were read. Invalidates earlier messages.
-  void feed(View bytes);
+  void feed(ByteView bytes);
   // The next complete message, valid until the next feed(); none when more bytes are needed.
   std::optional<Message> next();
   // The next `size` bytes unparsed (the cookie); empty when there are fewer.
-  View take(std::size_t size);
+  ByteView take(std::size_t size);
 
   int bad_frames() const { return bad_frames_; }
   // Bytes of an incomplete message.
   std::size_t waiting() const { return buffer_.size() - used_; }
 
  private:
-  View rest() const { return View(buffer_).subspan(used_); }
+  ByteView rest() const { return ByteView(buffer_).subspan(used_); }
 
   Bytes buffer_;
   std::size_t used_ = 0;
@@ -185,7 +185,7 @@ struct Cookie {
 // Never requests logging.
 std::array<std::uint8_t, cookie_size> our_cookie();
 // `bytes` must hold cookie_size bytes.
-Cookie read_cookie(View bytes);
+Cookie read_cookie(ByteView bytes);
 
 // Sender and type names: each side chooses its own ids and sends their names. A peer's ids are never trusted:
 // at most id_limit of each, names within name_limit. An id that was never named is ignored and is not an
@@ -248,22 +248,22 @@ class PeerNames {
 // files. Decoders return nothing for an invalid payload.
 
 // Sender and type descriptions: int32 strlen + 1, the name, NUL. 1 to name_limit - 1 printable characters.
-std::optional<std::string_view> decode_name(View payload);
+std::optional<std::string_view> decode_name(ByteView payload);
 void encode_name(Bytes& out, std::string_view name);
 
 // UDP description (its port is in the header's sender field): IPv4 text, NUL.
-std::optional<std::string> decode_udp_host(View payload);
+std::optional<std::string> decode_udp_host(ByteView payload);
 void encode_udp_host(Bytes& out, std::string_view host);
 
 // Whether a log description has the lengths it states. It is otherwise ignored.
-bool is_valid_log_description(View payload);
+bool is_valid_log_description(ByteView payload);
 
 // "<ip> <tcp-port>\0": a client's UDP request that the server connect to it.
 struct DialRequest {
   std::string host;  // letters, digits and '.'
   int port = 0;      // 1024..65535
 };
-std::optional<DialRequest> decode_dial_request(View datagram);
+std::optional<DialRequest> decode_dial_request(ByteView datagram);
 void encode_dial_request(Bytes& out, const DialRequest& request);
 
 inline bool is_valid_port(std::int64_t port) {

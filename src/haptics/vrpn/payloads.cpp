@@ -33,7 +33,7 @@ void put_sensor(Bytes& out, std::int32_t sensor) {
 
 }  // namespace
 
-std::optional<PosQuat> decode_pos_quat(View payload) {
+std::optional<PosQuat> decode_pos_quat(ByteView payload) {
   Reader reader(payload);
   PosQuat pose;
   if (!read_sensor(reader, pose.sensor)) return std::nullopt;
@@ -44,7 +44,7 @@ std::optional<PosQuat> decode_pos_quat(View payload) {
   return pose;
 }
 
-std::optional<Motion> decode_motion(View payload) {
+std::optional<Motion> decode_motion(ByteView payload) {
   Reader reader(payload);
   Motion motion;
   if (!read_sensor(reader, motion.sensor)) return std::nullopt;
@@ -56,7 +56,7 @@ std::optional<Motion> decode_motion(View payload) {
   return motion;
 }
 
-std::optional<double> decode_update_rate(View payload) {
+std::optional<double> decode_update_rate(ByteView payload) {
   Reader reader(payload);
   const double rate = reader.f64();
   if (!reader.at_end() || !std::isfinite(rate) || rate <= 0) return std::nullopt;
@@ -84,14 +84,14 @@ Quat orientation(const WireQuat& quat) {
   return Quat(quat[3] / largest, quat[0] / largest, quat[1] / largest, quat[2] / largest).normalized();
 }
 
-std::optional<ButtonChange> decode_button_change(View payload) {
+std::optional<ButtonChange> decode_button_change(ByteView payload) {
   Reader reader(payload);
   const ButtonChange change{reader.i32(), reader.i32()};
   if (!reader.at_end() || change.button < 0 || change.button >= button_limit) return std::nullopt;
   return change;
 }
 
-std::optional<std::vector<std::int32_t>> decode_button_states(View payload) {
+std::optional<std::vector<std::int32_t>> decode_button_states(ByteView payload) {
   Reader reader(payload);
   const std::int32_t count = reader.i32();
   if (!reader.ok() || count < 0 || count > button_limit) return std::nullopt;
@@ -112,7 +112,7 @@ void encode(Bytes& out, const std::vector<std::int32_t>& states) {
   for (const std::int32_t state : states) put(out, state);
 }
 
-std::optional<Text> decode_text(View payload) {
+std::optional<Text> decode_text(ByteView payload) {
   Reader reader(payload);
   Text text;
   text.severity = reader.u32();

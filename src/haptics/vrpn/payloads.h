@@ -29,10 +29,10 @@ struct Motion {
   double dt = 0;  // s
 };
 
-std::optional<PosQuat> decode_pos_quat(View payload);
-std::optional<Motion> decode_motion(View payload);
+std::optional<PosQuat> decode_pos_quat(ByteView payload);
+std::optional<Motion> decode_motion(ByteView payload);
 // Reports per second, greater than zero.
-std::optional<double> decode_update_rate(View payload);
+std::optional<double> decode_update_rate(ByteView payload);
 
 void encode(Bytes& out, const PosQuat& pose);
 void encode(Bytes& out, const Motion& motion);
@@ -51,9 +51,9 @@ struct ButtonChange {
   std::int32_t state = 0;  // 0 released, otherwise pressed
 };
 
-std::optional<ButtonChange> decode_button_change(View payload);
+std::optional<ButtonChange> decode_button_change(ByteView payload);
 // The states of all buttons.
-std::optional<std::vector<std::int32_t>> decode_button_states(View payload);
+std::optional<std::vector<std::int32_t>> decode_button_states(ByteView payload);
 
 void encode(Bytes& out, const ButtonChange& change);
 void encode(Bytes& out, const std::vector<std::int32_t>& states);
@@ -68,7 +68,7 @@ struct Text {
 };
 
 // Also nothing for an unknown severity.
-std::optional<Text> decode_text(View payload);
+std::optional<Text> decode_text(ByteView payload);
 // Truncates the text to text_limit.
 void encode(Bytes& out, const Text& text);
 

@@ -1,10 +1,10 @@
 #include "haptics/vrpn/server.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <thread>
-#include <fmt/format.h>
 
 #include "core/portable_math.h"
 #include "haptics/vrpn/client.h"

@@ -1,9 +1,9 @@
 // A VRPN server that shows one simulated PHANToM.
 #pragma once
 
-#include <memory>
 #include <chrono>
 #include <list>
+#include <memory>
 
 #include "haptics/device.h"
 #include "haptics/vrpn/connection.h"

@@ -235,7 +235,7 @@ Ipv4 local_address(const Socket& socket) {
   return ipv4_of(address);
 }
 
-LinkFault send_datagram(const Socket& udp, View bytes) {
+LinkFault send_datagram(const Socket& udp, ByteView bytes) {
   return ::send(udp.fd(), bytes.data(), bytes.size(), MSG_NOSIGNAL) < 0 ? fault_of(errno) : LinkFault::none;
 }
 

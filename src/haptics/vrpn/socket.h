@@ -111,10 +111,10 @@ std::optional<Accepted> accept_tcp(const Socket& listener);
 Ipv4 local_address(const Socket& socket);
 
 // To the address that a UDP socket is connected to. `refused` when an earlier datagram met a closed port.
-LinkFault send_datagram(const Socket& udp, View bytes);
+LinkFault send_datagram(const Socket& udp, ByteView bytes);
 
 struct Datagram {
-  View bytes;  // in the caller's buffer
+  ByteView bytes;  // in the caller's buffer
   Ipv4 from;
 };
 // The next datagram received, truncated to the buffer; none when there is none.
