@@ -106,11 +106,11 @@ Result<Body> make_elements(const BakeArguments& options, const Material& materia
   sound::FillOptions fill{size_for(surface->volume, surface->area), options.elements};
   const bool keeps_edges = options.thickness == 0 && surface->is_closed();
   if (keeps_edges && !(options.element_size > 0) && sound::has_skew_edges(*surface, fill.element_size))
-    fill.element_size *= sound::at_skew_edges;
+    fill.element_size *= sound::skew_edge_size_factor;
   const auto mesher = options.mesher == "netgen"    ? sound::Mesher::netgen
                       : options.mesher == "lattice" ? sound::Mesher::lattice
                                                     : sound::Mesher::automatic;
-  auto filled = sound::fill_by(mesher, *surface, fill, {}, options.mesh);
+  auto filled = sound::fill_with(mesher, *surface, fill, {}, options.mesh);
   if (!filled) return tl::unexpected(filled.error());
   return Body{std::move(*filled), surface->points.size(), {}};
 }
@@ -325,7 +325,7 @@ int bake_scene(const BakeArguments& options, const Common& common) {
   fs::create_directories(options.output, error);
   if (error || !fs::is_directory(options.output))
     return report({options.output, "is not a folder and cannot be created", "give -o another name"});
-  const auto voices = session::bake_voices(*scene, *surface, {options.output, nullptr, ""});
+  const auto voices = session::bake_voices(*scene, *surface, {.cache = options.output, .shipped = ""});
   if (!voices) return report(voices.error());
   nlohmann::json list = nlohmann::json::array();
   for (const std::string& model : voices->models) {

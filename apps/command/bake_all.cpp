@@ -65,7 +65,7 @@ bool is_up_to_date(const Job& job, const BakeArguments& job_options, const Mater
   if (!fs::exists(job.model, error)) return false;
   const auto source = source_hash(job_options, material);
   const auto model = sound::read_model(job.model);
-  return source && model && model->source == *source;
+  return source && model && model->identity == *source;
 }
 
 // Spawns this executable for one mesh; it reports its own errors.
@@ -110,7 +110,7 @@ void print_summary(const std::vector<Job>& jobs, const BakeArguments& options) {
 }  // namespace
 
 Result<std::string> source_hash(const BakeArguments& options, const Material& material) {
-  Hash hash = sound::bake_inputs(material, {"", mode_options(options)});
+  Hash hash = sound::bake_hash(material, {"", mode_options(options)});
   const auto add_file = [&](const fs::path& path) -> Result<void> {
     const auto bytes = read_file(path);
     if (!bytes) return tl::unexpected(bytes.error());

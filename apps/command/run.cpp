@@ -77,7 +77,7 @@ void print_report_json(const window::RunReport& r) {
          {"underruns", r.sound.underruns},
          {"events", r.sound.events},
          {"dropped", r.sound.dropped},
-         {"busiest", r.sound.busiest},
+         {"busiest", r.sound.peak_load},
          {"delay_s", r.sound.delay}}},
        {"bodies_taken", r.bodies_dragged},
        {"was_baking", r.was_baking},
@@ -97,7 +97,7 @@ void print_summary(const window::RunReport& r) {
   fmt::print("  touch     {} ticks, {} skipped, wake-up p99 {:.0f} us, compute p99 {:.1f} us\n",
              r.touch.ticks, r.touch.skipped, 1e6 * r.touch.wake_p99, 1e6 * r.touch.compute_p99);
   fmt::print("  sound     {} buffers on {}, {} underruns, busiest {:.0f} %, {} events, {} dropped\n",
-             r.sound.buffers, r.audio_device, r.sound.underruns, 100 * r.sound.busiest, r.sound.events,
+             r.sound.buffers, r.audio_device, r.sound.underruns, 100 * r.sound.peak_load, r.sound.events,
              r.sound.dropped);
   for (const std::string& message : r.messages) fmt::print("  message: {}\n", message);
 }
@@ -140,12 +140,7 @@ int run(const RunArguments& arguments, const Common& common) {
   } else if (!common.quiet) {
     print_summary(*done);
   }
-  const int code = interrupted ? 130 : 0;
-  if (done->was_baking) {
-    std::fflush(nullptr);
-    std::_Exit(code);  // a modal analysis still runs in a thread that cannot be interrupted
-  }
-  return code;
+  return interrupted ? 130 : 0;
 }
 
 }  // namespace

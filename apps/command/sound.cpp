@@ -117,7 +117,7 @@ int play_live(const std::shared_ptr<const sound::ModalModel>& model, const sound
         "{}: {} Hz, buffers of {} frames, latency {:.1f} ms; {} underruns in {} buffers, at most {:.0f} % of a "
         "buffer's time busy\n",
         device.name(), device.sample_rate(), device.buffer_frames(), 1000 * status.latency, status.underruns,
-        status.buffers, 100 * status.busiest);
+        status.buffers, 100 * status.peak_load);
   }
   return 0;
 }
@@ -183,7 +183,7 @@ int run_touch(session::Touch touch, const std::string& texture, const std::strin
 int list_devices() {
   const std::vector<sound::SoundCard> cards = sound::sound_cards();
   for (const sound::SoundCard& card : cards) {
-    fmt::print("{}: {}{}, {} channels, {} Hz preferred\n", card.system, card.name,
+    fmt::print("{}: {}{}, {} channels, {} Hz preferred\n", card.api, card.name,
                card.is_default ? " (default)" : "", card.channels, card.preferred_rate);
   }
   if (cards.empty()) fmt::print("no audio device on this machine\n");

@@ -347,7 +347,7 @@ void Application::finish_report() {
   const session::LiveState& state = session->state();
   report_.dynamics = {state.steps, state.late, state.step_seconds};
   const sound::AudioStatus audio = stage_.audio()->status();
-  report_.sound = {audio.buffers, audio.underruns, 0, 0, audio.busiest, 0};
+  report_.sound = {audio.buffers, audio.underruns, 0, 0, audio.peak_load, 0};
   if (const auto live = session->sound_status()) {
     report_.sound.events = live->events;
     report_.sound.dropped = live->dropped_events;

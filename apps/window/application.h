@@ -53,14 +53,14 @@ struct RunReport {
   } dynamics;
   struct Sound {
     std::uint64_t buffers = 0, underruns = 0, events = 0, dropped = 0;
-    double busiest = 0, delay = 0;
+    double peak_load = 0, delay = 0;
   } sound;
   std::uint64_t bodies_dragged = 0;
   std::uint64_t gl_errors = 0;
   std::vector<std::string> gl_error_names;
   std::vector<std::string> messages;       // all messages shown, in order
   std::vector<std::string> files_written;  // screenshots and recordings
-  bool was_baking = false;                 // a thread is left behind (voices.h): end by std::_Exit
+  bool was_baking = false;                 // a model was being baked at the end, and was abandoned
 };
 
 Result<RunReport> run(const RunOptions& options);

@@ -145,7 +145,7 @@ void timing_panel(session::LiveSession& session, const PanelData& data, const se
                            microseconds(servo.wake_up().quantile(0.99))));
   if (session.has_sound()) {
     wrapped_text(
-        fmt::format("sound     {:.0f} % busy, {} underruns", 100 * data.audio.busiest, data.audio.underruns));
+        fmt::format("sound     {:.0f} % busy, {} underruns", 100 * data.audio.peak_load, data.audio.underruns));
   } else {
     wrapped_text("sound     baking models");
   }

@@ -122,7 +122,7 @@ class Stage {
 
   session::AudioTap& tap() { return tap_; }
   sound::AudioDevice* audio() { return audio_.get(); }
-  // A bake is running and cannot be interrupted.
+  // A model is being baked, or waits to be; the destructor abandons it.
   bool is_baking() const { return baker_.is_busy(); }
 
  private:

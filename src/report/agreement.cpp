@@ -272,13 +272,13 @@ std::vector<Step> steps_of(std::span<const ContactEvent* const> events) {
 }
 
 std::vector<Touch> blows_of(BodyId body, const std::vector<Step>& steps) {
-  sound::ContactForce force;
+  sound::ImpulseSplitter splitter;
   std::vector<Touch> blows;
   double last = -1;
   for (const Step& step : steps) {
-    if (step.time - last > 1.5 * step.duration) force.step(Vec3::Zero());
+    if (step.time - last > 1.5 * step.duration) splitter.split(Vec3::Zero());
     last = step.time;
-    if (const double blow = force.step(step.impulse).norm(); blow > 0)
+    if (const double blow = splitter.split(step.impulse).norm(); blow > 0)
       blows.push_back({step.touch, body, blow});
   }
   const auto is_outdone = [&](const Touch& touch) {

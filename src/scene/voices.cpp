@@ -1,5 +1,6 @@
 #include "scene/voices.h"
 
+#include <fmt/format.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -11,10 +12,9 @@
 #include <mutex>
 #include <numbers>
 #include <thread>
-#include <fmt/format.h>
+#include <utility>
 
 #include "core/hash.h"
-#include "intaglio/representation.h"
 #include "sound/bake/bake.h"
 #include "sound/bake/fem/tet_mesh.h"
 #include "sound/model_file.h"
@@ -23,24 +23,25 @@ namespace intaglio::session {
 
 namespace {
 
-// Models of one scene, each baked once: twenty equal balls share one.
-class Bakery {
+// Loads or bakes each distinct model of a scene once: twenty equal balls share one.
+class ModelBaker {
  public:
-  Bakery(const std::string& scene, int modes, const VoiceOptions& options)
+  ModelBaker(const std::string& scene, int modes, const VoiceOptions& options)
       : scene_(scene), options_(options) {
     bake_.modes.count = modes;
+    bake_.modes.stop = options.stop;
   }
 
-  // Adds a ringing body of that mesh. `shape` names the mesh: equal names and materials are the same model.
+  // Adds a sounding body of that mesh. `shape` identifies the mesh: equal shape and material share one model.
   void add(sound::SoundBody body, const std::string& name, const std::string& shape,
            const std::function<sound::TetMesh()>& mesh, const Material& material) {
     if (error_) return;
-    Hash hash = sound::bake_inputs(material, bake_);
+    Hash hash = sound::bake_hash(material, bake_);
     hash.add(std::string_view(shape));
     const std::string identity = fmt::format("{:016x}", hash.value());
     auto& model = models_[identity];
     if (!model) {
-      model = made(identity, name, mesh, material);
+      model = load_or_bake(identity, name, mesh, material);
       voices_.models.push_back(identity);
     }
     if (!model) return;
@@ -61,42 +62,41 @@ class Bakery {
  private:
   using Model = std::shared_ptr<const sound::ModalModel>;
 
-  // A model that cannot be read, or is of something else, is baked again.
-  static Model found(const std::filesystem::path& folder, const std::string& identity) {
+  // A model that cannot be read, or has another identity, is baked again.
+  static Model load(const std::filesystem::path& folder, const std::string& identity) {
     const auto file = folder / (identity + ".modes");
     std::error_code ignored;
     if (!std::filesystem::exists(file, ignored)) return nullptr;
     auto read = sound::read_model(file);
-    if (!read || read->source != identity) return nullptr;
+    if (!read || read->identity != identity) return nullptr;
     return std::make_shared<const sound::ModalModel>(std::move(*read));
   }
 
-  Model made(const std::string& identity, const std::string& name,
-             const std::function<sound::TetMesh()>& mesh, const Material& material) {
-    if (!options_.beside.empty()) {
-      const auto folder = std::filesystem::path(scene_).parent_path() / options_.beside;
-      if (auto model = found(folder, identity)) return model;
+  Model load_or_bake(const std::string& identity, const std::string& name,
+                     const std::function<sound::TetMesh()>& mesh, const Material& material) {
+    if (!options_.shipped.empty()) {
+      const auto folder = std::filesystem::path(scene_).parent_path() / options_.shipped;
+      if (auto model = load(folder, identity)) return model;
     }
     if (!options_.cache.empty())
-      if (auto model = found(options_.cache, identity)) return model;
-    if (options_.stopped != nullptr && options_.stopped->load()) {
+      if (auto model = load(options_.cache, identity)) return model;
+    if (sound::stop_requested(options_.stop) || sound::stop_requested(options_.begin_none)) {
       error_ = Error{scene_, "modal analysis was stopped", ""};
       return nullptr;
     }
     sound::BakeOptions bake = bake_;
-    bake.source = identity;
+    bake.identity = identity;
     auto baked = sound::bake(mesh(), material, bake);
     if (!baked) {
       error_ = Error{
           scene_,
           fmt::format("modal analysis of the {} of {} failed: {}", name, material.name, baked.error().what),
-          "make it stiffer, smaller or thicker: what is soft, large and thin has too many modes"};
+          "make it stiffer, smaller or thicker: soft, large, thin bodies have too many audible modes"};
       return nullptr;
     }
     ++voices_.baked;
-    // A cache that cannot be written costs time, nothing else.
-    if (!options_.cache.empty())
-      (void)sound::write_model(options_.cache / (identity + ".modes"), *baked);
+    // A failed cache write is ignored: it only costs time later.
+    if (!options_.cache.empty()) (void)sound::write_model(options_.cache / (identity + ".modes"), *baked);
     return std::make_shared<const sound::ModalModel>(std::move(*baked));
   }
 
@@ -108,17 +108,17 @@ class Bakery {
   std::optional<Error> error_;
 };
 
-// A box's elements: `cells` along its longest side, one through what is thin.
+// A box with `cells` elements along its longest side, and one through a thin side (below 15 % of that).
 sound::TetMesh box_mesh(const Vec3& size, int cells) {
   const auto along = [&](double side) {
-    const int n = static_cast<int>(std::lround(cells * side / size.maxCoeff()));
+    const int n = int(std::lround(cells * side / size.maxCoeff()));
     return std::clamp(n, side > 0.15 * size.maxCoeff() ? 2 : 1, cells);
   };
   return sound::box(size, along(size.x()), along(size.y()), along(size.z()));
 }
 
 // A curved ground rings like the flat slab over its bounds.
-void add_curved(Bakery& bakery, BodyId id, const std::string& name, const SurfaceScene& ground,
+void add_curved(ModelBaker& baker, BodyId id, const std::string& name, const SurfaceScene& ground,
                 const SceneSurface& made) {
   const surface::Box bounds = made.curved->bounds();
   const Vec3 size(bounds.sizes().x(), ground.thickness, bounds.sizes().z());
@@ -127,12 +127,12 @@ void add_curved(Bakery& bakery, BodyId id, const std::string& name, const Surfac
   body.is_fixed = true;
   if (ground.representation != Representation::flat) body.textures = {made.surface};
   body.rest_pose.position = bounds.center();
-  bakery.add(
+  baker.add(
       body, name, fmt::format("slab {} {} {}", size.x(), size.y(), size.z()),
       [size] { return box_mesh(size, 16); }, made.material);
 }
 
-void add_slab(Bakery& bakery, BodyId id, const std::string& name, const SurfaceScene& slab,
+void add_slab(ModelBaker& baker, BodyId id, const std::string& name, const SurfaceScene& slab,
               const SceneSurface& made) {
   // The slab hangs below the base plane; its modal model is a box about its middle, Y up.
   sound::SoundBody body;
@@ -142,30 +142,31 @@ void add_slab(Bakery& bakery, BodyId id, const std::string& name, const SurfaceS
   body.rest_pose = {
       made.surface->placement().to_world({slab.size.x() / 2, slab.size.y() / 2, -slab.thickness / 2}),
       rotation_of(slab.rotation)};
+  // Finer than box_mesh(), and one element through the slab however thick it is: identities depend on it.
   constexpr int cells = 24;
   const auto along = [&](double side) {
-    return std::clamp(static_cast<int>(std::lround(cells * side / slab.size.maxCoeff())), 2, cells);
+    return std::clamp(int(std::lround(cells * side / slab.size.maxCoeff())), 2, cells);
   };
   const auto mesh = [&] {
     return sound::box({slab.size.x(), slab.thickness, slab.size.y()}, along(slab.size.x()), 1,
                       along(slab.size.y()));
   };
-  bakery.add(body, name, fmt::format("slab {} {} {}", slab.size.x(), slab.thickness, slab.size.y()), mesh,
-             made.material);
+  baker.add(body, name, fmt::format("slab {} {} {}", slab.size.x(), slab.thickness, slab.size.y()), mesh,
+            made.material);
 }
 
-// The box about a shape, and its name.
-struct Solid {
-  std::string name;
+// How to mesh a shape, and the text that identifies the mesh.
+struct MeshRecipe {
+  std::string identity;
   std::function<sound::TetMesh()> mesh;
 };
-Solid cylinder(double radius, double length) {
+MeshRecipe cylinder(double radius, double length) {
   return {fmt::format("cylinder {} {}", radius, length), [=] {
-            const int layers = std::clamp(static_cast<int>(std::lround(length / radius)), 2, 16);
+            const int layers = std::clamp(int(std::lround(length / radius)), 2, 16);
             return sound::cylinder(radius, length, 2, layers);
           }};
 }
-Solid solid_of(const contact::Shape& shape) {
+MeshRecipe mesh_recipe(const contact::Shape& shape) {
   if (const auto* s = std::get_if<contact::Sphere>(&shape))
     return {fmt::format("ball {}", s->radius), [r = s->radius] { return sound::ball(r, 2); }};
   if (const auto* s = std::get_if<contact::Cylinder>(&shape)) return cylinder(s->radius, 2 * s->half_height);
@@ -183,55 +184,55 @@ Solid solid_of(const contact::Shape& shape) {
           [half] { return box_mesh(2 * half, 8); }};
 }
 
-void add_bodies(Bakery& bakery, const Scene& scene, const SceneSurface& surface) {
+void add_bodies(ModelBaker& baker, const Scene& scene, const SceneSurface& surface) {
   for (std::size_t k = 0; k < scene.balls.size(); ++k) {
     const BallScene& ball = scene.balls[k];
     sound::SoundBody body;
-    body.id = static_cast<BodyId>(k + 1);
+    body.id = BodyId(k + 1);
     body.radius_of_curvature = ball.radius;
     const std::string name = scene.balls.size() == 1 ? "ball" : fmt::format("ball {}", k + 1);
-    bakery.add(
+    baker.add(
         body, name, fmt::format("ball {}", ball.radius), [&] { return sound::ball(ball.radius, 2); },
         ball.material);
   }
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
     const BodyScene& from = scene.bodies[k];
     sound::SoundBody body;
-    body.id = static_cast<BodyId>(scene.balls.size() + k + 1);
+    body.id = BodyId(scene.balls.size() + k + 1);
     body.is_fixed = from.body.motion != dynamics::Motion::free;
     body.rest_pose = from.body.pose;
     if (k < surface.reliefs.size() && scene.surface.representation != Representation::flat)
       for (const SceneSurface& relief : surface.reliefs[k]) body.textures.push_back(relief.surface);
-    const Solid solid = solid_of(from.body.shape);
-    bakery.add(body, fmt::format("{} {}", from.name, k + 1), solid.name, solid.mesh, from.body.material);
+    const MeshRecipe recipe = mesh_recipe(from.body.shape);
+    baker.add(body, fmt::format("{} {}", from.name, k + 1), recipe.identity, recipe.mesh, from.body.material);
   }
 }
 
 }  // namespace
 
 Result<Voices> bake_voices(const Scene& scene, const SceneSurface& surface, const VoiceOptions& options) {
-  Bakery bakery(scene.name, scene.sound.modes, options);
-  add_slab(bakery, floor_body, "floor", scene.surface, surface);
+  ModelBaker baker(scene.name, scene.sound.modes, options);
+  add_slab(baker, floor_body, "floor", scene.surface, surface);
   for (std::size_t k = 0; k < surface.grounds.size(); ++k)
-    (surface.grounds[k].curved ? add_curved : add_slab)(bakery, static_cast<BodyId>(first_surface_body + k),
+    (surface.grounds[k].curved ? add_curved : add_slab)(baker, BodyId(first_surface_body + k),
                                                         fmt::format("ground {}", k + 1), scene.grounds[k],
                                                         surface.grounds[k]);
-  add_bodies(bakery, scene, surface);
+  add_bodies(baker, scene, surface);
   if (scene.pen) {
     sound::SoundBody body;
-    body.id = static_cast<BodyId>(scene.balls.size() + scene.bodies.size() + 1);
-    body.radius_of_curvature = 0.001;  // a pen's tip, not its shaft
-    bakery.add(
+    body.id = BodyId(scene.balls.size() + scene.bodies.size() + 1);
+    body.radius_of_curvature = 0.001;  // radius of the tip, not of the shaft
+    baker.add(
         body, "pen", fmt::format("pen {} {}", scene.pen->radius, scene.pen->length),
         [&] { return sound::cylinder(scene.pen->radius, scene.pen->length, 1, 16); }, scene.pen->material);
   }
-  return bakery.voices();
+  return baker.voices();
 }
 
 sound::SynthesizerOptions synthesizer_options(const Scene& scene) {
   sound::SynthesizerOptions options;
   options.sample_rate = scene.sound.sample_rate;
-  options.seed = static_cast<std::uint64_t>(scene.seed);
+  options.seed = std::uint64_t(scene.seed);
   options.micro_level *= scene.sound.micro;
   options.meso = scene.sound.meso.value_or(scene.surface.representation == Representation::normal
                                                ? sound::MesoSource::normal_map
@@ -239,8 +240,8 @@ sound::SynthesizerOptions synthesizer_options(const Scene& scene) {
   return options;
 }
 
-struct VoiceBaker::Shared {
-  struct Order {
+struct VoiceBaker::State {
+  struct Request {
     std::uint64_t ticket = 0;
     Scene scene;
     SceneSurface surface;
@@ -249,61 +250,64 @@ struct VoiceBaker::Shared {
 
   std::mutex mutex;
   std::condition_variable wake;
-  std::optional<Order> wanted;
+  std::optional<Request> pending;
   std::uint64_t tickets = 0, done_ticket = 0;
   std::optional<Result<Voices>> done;
-  std::atomic<bool> newer{false};  // than what is being made
-  bool busy = false, closed = false;
+  bool busy = false;
+  std::atomic<bool> superseded{false};  // there is a newer request than the one being worked on
+  std::atomic<bool> stop{false};
 };
 
-VoiceBaker::VoiceBaker() : shared_(std::make_shared<Shared>()) {
-  std::thread([shared = shared_] { work(shared); }).detach();
-}
+VoiceBaker::VoiceBaker() : state_(std::make_unique<State>()), thread_([this] { work(*state_); }) {}
 
 VoiceBaker::~VoiceBaker() {
-  const std::lock_guard lock(shared_->mutex);
-  shared_->closed = true;
-  shared_->newer = true;
-  shared_->wake.notify_one();
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->stop = true;
+    state_->wake.notify_one();
+  }
+  thread_.join();
 }
 
-std::uint64_t VoiceBaker::ask(const Scene& scene, const SceneSurface& surface,
-                              const std::filesystem::path& cache) {
-  const std::lock_guard lock(shared_->mutex);
-  shared_->wanted = {++shared_->tickets, scene, surface, cache};
-  shared_->newer = true;
-  shared_->wake.notify_one();
-  return shared_->tickets;
+std::uint64_t VoiceBaker::request(const Scene& scene, const SceneSurface& surface,
+                                  const std::filesystem::path& cache) {
+  const std::lock_guard lock(state_->mutex);
+  state_->pending = {++state_->tickets, scene, surface, cache};
+  state_->superseded = true;
+  state_->wake.notify_one();
+  return state_->tickets;
 }
 
 std::optional<Result<Voices>> VoiceBaker::take(std::uint64_t ticket) {
-  const std::lock_guard lock(shared_->mutex);
-  if (!shared_->done || shared_->done_ticket != ticket) return std::nullopt;
-  return std::exchange(shared_->done, std::nullopt);
+  const std::lock_guard lock(state_->mutex);
+  if (!state_->done || state_->done_ticket != ticket) return std::nullopt;
+  return std::exchange(state_->done, std::nullopt);
 }
 
 bool VoiceBaker::is_busy() const {
-  const std::lock_guard lock(shared_->mutex);
-  return shared_->busy;
+  const std::lock_guard lock(state_->mutex);
+  return state_->busy || state_->pending;
 }
 
-void VoiceBaker::work(const std::shared_ptr<Shared>& shared) {
-  // Physics and pictures go first. On Linux a thread has a niceness of its own; failing changes nothing.
-  (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), 10);
-  std::unique_lock lock(shared->mutex);
+void VoiceBaker::work(State& state) {
+  // Low priority: physics and pictures go first. On Linux each thread has its own niceness; failure is
+  // harmless.
+  (void)setpriority(PRIO_PROCESS, id_t(gettid()), 10);
+  std::unique_lock lock(state.mutex);
   while (true) {
-    shared->wake.wait(lock, [&] { return shared->wanted || shared->closed; });
-    if (shared->closed) return;
-    const Shared::Order order = std::move(*std::exchange(shared->wanted, std::nullopt));
-    shared->newer = false;
-    shared->busy = true;
+    state.wake.wait(lock, [&] { return state.pending || state.stop; });
+    if (state.stop) return;
+    const State::Request request = std::move(*std::exchange(state.pending, std::nullopt));
+    state.superseded = false;
+    state.busy = true;
     lock.unlock();
-    auto voices = bake_voices(order.scene, order.surface, {order.cache, &shared->newer});
+    auto voices = bake_voices(request.scene, request.surface,
+                              {.cache = request.cache, .stop = &state.stop, .begin_none = &state.superseded});
     lock.lock();
-    shared->busy = false;
-    if (shared->wanted) continue;
-    shared->done = std::move(voices);
-    shared->done_ticket = order.ticket;
+    state.busy = false;
+    if (state.pending) continue;
+    state.done = std::move(voices);
+    state.done_ticket = request.ticket;
   }
 }
 

@@ -1,17 +1,20 @@
 // The modal models of a scene: floor, grounds, bodies and pen, each baked once, or read from a folder of
 // models that were baked before: `models` beside the scene's file (`intaglio bake --scene` fills it, and
-// shipped scenes have theirs), then a cache. A model is known by its identity, the hash of what it is baked
-// from (modal_model.h), which is its name there.
+// shipped scenes have theirs), then a cache. A model file is named by its identity, the hash of its inputs
+// (bake_hash).
 //
-// Takes seconds where models are missing, milliseconds where not. Any thread; the models are immutable. A
-// slab is a box, a curved ground the slab over its bounds, a letter the box about it, a capsule a cylinder:
-// the sound is exact for balls, boxes and cylinders, approximate for the others.
+// Seconds when models must be baked, otherwise milliseconds. Any thread; the models are immutable. A slab is
+// a box, a curved ground the slab over its bounds, a letter its bounding box, a capsule a cylinder: the sound
+// is exact for balls, boxes and cylinders, approximate for the others.
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
+#include <thread>
 #include <vector>
 
 #include "scene/scene.h"
@@ -20,7 +23,7 @@
 
 namespace intaglio::session {
 
-// A body that rings: what was baked for it.
+// A sounding body and its modes, for reports.
 struct Voice {
   BodyId body = 0;
   std::string name;  // "floor", "ball 1", "pen"
@@ -30,29 +33,27 @@ struct Voice {
 };
 
 struct VoiceOptions {
-  std::filesystem::path cache = {};            // folder of models, where new ones go; empty: none
-  const std::atomic<bool>* stopped = nullptr;  // when it turns true, no further model is begun
-  // Folder of models beside the scene's file; empty: none.
-  std::string beside = "models";
+  std::filesystem::path cache = {};               // folder for newly baked models; empty: no cache
+  std::string shipped = "models";                 // folder of models beside the scene's file; empty: none
+  const std::atomic<bool>* stop = nullptr;        // set to abandon a bake under way (sound/bake/bake.h)
+  const std::atomic<bool>* begin_none = nullptr;  // set to finish the model under way and begin no other
 };
 
 struct Voices {
   std::vector<sound::SoundBody> bodies;
-  std::vector<Voice> voices;        // the same, for people
+  std::vector<Voice> voices;        // of the same bodies
   int baked = 0;                    // models that were in neither folder
-  std::vector<std::string> models;  // identities, each once
+  std::vector<std::string> models;  // distinct identities
 };
 
 Result<Voices> bake_voices(const Scene& scene, const SceneSurface& surface, const VoiceOptions& options = {});
 
 sound::SynthesizerOptions synthesizer_options(const Scene& scene);
 
-// Makes a scene's modal models in a thread of its own, one scene at a time (the solver below stands no
-// second one), and never makes anybody wait: what nobody wants any more is finished, kept in the cache, and
-// dropped. One thread asks (the window's).
-//
-// A model that is being made when the baker dies cannot be interrupted: its thread is left behind. A program
-// that ends then should do so by std::_Exit; is_busy() tells.
+// Bakes a scene's modal models on a thread of its own, one scene at a time (MUMPS works on one matrix at a
+// time), without blocking the caller. A superseded request finishes the model under way, which goes to the
+// cache, and is dropped. The destructor abandons the model under way and joins the thread, which takes some
+// tenths of a second. One thread calls (the window's).
 
 class VoiceBaker {
  public:
@@ -61,17 +62,19 @@ class VoiceBaker {
   VoiceBaker(const VoiceBaker&) = delete;
   VoiceBaker& operator=(const VoiceBaker&) = delete;
 
-  // Asks for these voices instead of any before; the ticket is for take().
-  std::uint64_t ask(const Scene& scene, const SceneSurface& surface, const std::filesystem::path& cache);
-  // Once they are there, once.
+  // Requests voices, replacing an earlier request. Returns a ticket for take().
+  std::uint64_t request(const Scene& scene, const SceneSurface& surface, const std::filesystem::path& cache);
+  // The result of that request, once, when it is ready.
   std::optional<Result<Voices>> take(std::uint64_t ticket);
+  // A request is waiting or being worked on.
   bool is_busy() const;
 
  private:
-  struct Shared;
-  static void work(const std::shared_ptr<Shared>& shared);
+  struct State;
+  static void work(State& state);
 
-  std::shared_ptr<Shared> shared_;
+  std::unique_ptr<State> state_;
+  std::thread thread_;
 };
 
 }  // namespace intaglio::session

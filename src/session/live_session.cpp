@@ -155,7 +155,7 @@ void LiveSession::start(AudioTap* tap, VoiceBaker* baker) {
   if (tap == nullptr || baker == nullptr) return;
   tap_ = tap;
   baker_ = baker;
-  ticket_ = baker->ask(heard(), surface_, options_.model_cache);
+  ticket_ = baker->request(heard(), surface_, options_.model_cache);
 }
 
 void LiveSession::stop() {
@@ -189,7 +189,7 @@ void LiveSession::begin_sound(Result<Voices> voices) {
   sound::SynthesizerOptions options = synthesizer_options(heard());
   options.sample_rate = options_.sample_rate;
   if (!options_.hears) options.micro_level = 0;
-  sound::LiveOptions live;
+  sound::LiveSoundOptions live;
   live.gain_db = gain_db_;
   live.delay = 2.0 / scene_.physics.rate + 0.004;
   owned_sound_ = std::make_unique<sound::LiveSound>(options, std::move(voices->bodies), live);
@@ -210,7 +210,7 @@ void LiveSession::set_gain_db(double gain_db) {
   if (sound::LiveSound* sound = sound_.load()) sound->set_gain_db(gain_db);
 }
 
-std::optional<sound::LiveStatus> LiveSession::sound_status() {
+std::optional<sound::LiveSoundStatus> LiveSession::sound_status() {
   sound::LiveSound* sound = sound_.load();
   if (sound == nullptr) return std::nullopt;
   return sound->status();

@@ -191,7 +191,7 @@ class LiveSession {
   haptics::ServoLoop& servo() { return *servo_; }
   // Of physics: how late a step was begun.
   const haptics::LatencyHistogram& lateness() const { return lateness_; }
-  std::optional<sound::LiveStatus> sound_status();
+  std::optional<sound::LiveSoundStatus> sound_status();
   bool has_sound() const { return sound_.load() != nullptr; }
   // What went wrong with the sound, once; empty when nothing did.
   std::string take_message();

@@ -170,8 +170,8 @@ void LiveSound::set_gain_db(double gain_db) {
   impl_->sound.set_gain_db(gain_db);
 }
 LiveSoundStatus LiveSound::status() {
-  const sound::LiveStatus from = impl_->sound.status();
-  return {from.events, from.dropped_events, from.waits, from.delay, from.worst_latency, status_of(from.synthesizer)};
+  const sound::LiveSoundStatus from = impl_->sound.status();
+  return {from.events, from.dropped_events, from.stalls, from.delay, from.worst_latency, status_of(from.synthesizer)};
 }
 void LiveSound::render(std::span<float> stereo) noexcept {
   impl_->sound.render(stereo);

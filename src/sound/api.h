@@ -1,4 +1,4 @@
-// What is behind the classes of include/intaglio/sound.h, for the libraries that are handed one.
+// The values behind the classes of include/intaglio/sound.h, for the libraries that receive one.
 #pragma once
 
 #include <memory>

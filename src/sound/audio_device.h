@@ -1,8 +1,8 @@
-// Where live sound goes: something that asks for samples when it needs them.
+// Audio output devices (pull model).
 //
-// A device pulls: it calls AudioSource::render() from a thread of its own until it is stopped. Samples are
-// interleaved left, right, in -1..1. Kinds: a sound card (devices.h), one that plays to nobody in real
-// time (devices.h), and one whose clock a test turns (test_clock_device.h); devices.h chooses.
+// A device calls AudioSource::render() from a thread of its own until it is stopped. Samples are interleaved
+// left, right, in -1..1. Kinds: a sound card, and a null device that discards its samples in real time
+// (audio/devices.h).
 #pragma once
 
 #include <atomic>
@@ -23,21 +23,21 @@ class AudioSource {
 };
 
 struct AudioStatus {
-  std::uint64_t buffers = 0;    // asked for
-  std::uint64_t underruns = 0;  // buffers that came too late, as far as the device can tell
+  std::uint64_t buffers = 0;    // rendered
+  std::uint64_t underruns = 0;  // buffers that were late, as far as the device can tell
   double latency = 0;           // s, from render() to the speaker: what is buffered below us
-  double busiest = 0;           // the longest render(), of a buffer's time
-  std::string error;            // why it stopped by itself; usually empty
+  double peak_load = 0;         // the longest render(), as a fraction of the buffer's duration
+  std::string error;            // reason for an unexpected stop, else empty
 };
 
 class AudioDevice {
  public:
-  // Stops.
+  // Stops the device.
   virtual ~AudioDevice() = default;
 
   virtual std::string name() const = 0;
-  virtual int sample_rate() const = 0;    // Hz, as it really is
-  virtual int buffer_frames() const = 0;  // of one render(), usually
+  virtual int sample_rate() const = 0;    // Hz, actual
+  virtual int buffer_frames() const = 0;  // of a typical render()
 
   // `source` must live until stop(). Starting twice is an error.
   virtual Result<void> start(AudioSource& source) = 0;
@@ -51,12 +51,12 @@ class AudioDevice {
 
 class RenderMeter {
  public:
-  // Renders `stereo` from `source` and remembers how long it took beside the time that it plays for.
+  // Renders `stereo` from `source`, and compares the time that takes with the time that it plays for.
   void render(AudioSource& source, std::span<float> stereo, int sample_rate) noexcept {
     const auto start = std::chrono::steady_clock::now();
     source.render(stereo);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-    const double busy = took.count() * 2 * sample_rate / static_cast<double>(stereo.size());
+    const double busy = took.count() * 2 * sample_rate / double(stereo.size());
     if (busy > busiest_.load(std::memory_order_relaxed)) busiest_.store(busy, std::memory_order_relaxed);
     buffers_.fetch_add(1, std::memory_order_relaxed);
   }

@@ -1,5 +1,5 @@
-// One pair of bodies in contact: the points of one step, what lasts from step to step, and how both become
-// blows and noise.
+// One pair of bodies in contact: gathers the points of a step, keeps what lasts from step to step, and turns
+// both into strikes and noise.
 //
 // Internal to sound/. SI units, world frame. One thread; after construction nothing here allocates, locks or
 // throws.
@@ -21,66 +21,66 @@ namespace intaglio::sound {
 
 class ContactPair {
  public:
-  // A place for a pair; meet() makes it one.
+  // An unassigned slot; assign() gives it two bodies.
   ContactPair(Ensemble& ensemble, const SynthesizerOptions& options);
 
-  // From now on the place is of these two: indices of the ensemble's bodies.
-  void meet(int body, int other);
+  // Assigns the slot to two bodies, indices of the ensemble.
+  void assign(int body, int other);
 
   int body() const { return sides_[0].body; }
   int other() const { return sides_[1].body; }
   bool is_touching() const { return is_touching_ || step_.duration > 0; }
-  // Of the last step, s; before the first none.
+  // Time of the last step, s. Meaningless before the first.
   double last_time() const { return last_step_.time; }
 
-  // Takes one more event of the step being gathered. When it belongs to a later step, that one is finished
+  // Takes one more event. If it belongs to a later step than the one being gathered, that one is finished
   // first.
   void add(const ContactEvent& event, double now);
   // Turns the gathered step into sound that begins no earlier than `now`.
   void finish_step(double now);
-  // The contact has ended: what lasted is released.
-  void part(double now);
-  // Hands what lasts in the samples from `first` on to the ensemble.
+  // The contact has ended: the sustained impulse is released.
+  void release(double now);
+  // Drives the ensemble with the sustained noise for `samples` samples from `first`.
   void drive(std::int64_t first, std::size_t samples);
 
   std::uint64_t truncated_paths() const { return truncated_paths_; }
 
  private:
-  // One of the two bodies: `body` feels the impulses as they are reported, `other` their opposite.
+  // One of the two bodies: `body` receives the impulses as they are reported, `other` their opposite.
   struct Side {
     int body = -1;
     double sign = 1;
-    std::vector<float> blow_room, normal_room;      // for the body with most modes
-    std::span<float> blow_gains{}, normal_gains{};  // of this one
-    // The way of the contact over its texture through the step, if it has one there and a way leads on.
+    std::vector<float> strike_storage, normal_storage;  // sized for the body with the most modes
+    std::span<float> strike_gains{}, normal_gains{};    // of this body
+    // Path of the contact over this body's texture during the step, when it continues from the last one.
     Vec2 from = Vec2::Zero();
-    ReliefPlace to{};
+    ReliefPoint to{};
     bool follows_path = false;
   };
-  // `leap`: m, how far it went in the world.
-  void follow(Side& side, const ReliefPlace& to, double leap);
-  void follow(const ContactEvent& point);
-  void find_gains(const Vec3& direction, std::span<float> Side::*gains);
-  HalfSine shape_of(double impulse, double start) const;
-  void blow(const Vec3& impulse, double start);
+  // `distance_moved`: by the contact in the world since the last step, m.
+  void follow_path(Side& side, const ReliefPoint& to, double distance_moved);
+  void update_paths(const ContactEvent& point);
+  void find_gains(const ContactStep& step, const Vec3& direction, std::span<float> Side::*gains);
+  HalfSine pulse_shape(double impulse, double start) const;
+  void strike(const ContactStep& step, const Vec3& impulse, double start);
   void find_radius();
   MesoWalk walk(const Side& side, double mass);
   void cross_texels(double now);
-  double place_within();
-  void rub(const ContactEvent& point);
+  double strike_fraction();
+  void update_rubbing(const ContactEvent& point);
 
   Ensemble& ensemble_;
   SynthesizerOptions options_;
   std::array<Side, 2> sides_;
-  // Effective, of Hertz contact; rebound is 1 + restitution.
-  double mass_ = 1, radius_ = 1, modulus_ = 1, rebound_ = 1;
+  // Effective values of Hertz contact.
+  double mass_ = 1, radius_ = 1, modulus_ = 1, one_plus_restitution_ = 1;
   Random random_{0};
-  ContactForce force_;
+  ImpulseSplitter splitter_;
 
   ContactStep step_;       // being gathered
   ContactStep last_step_;  // finished
   bool is_touching_ = false;
-  Vec3 place_ = Vec3::Zero();  // of the contact, the last time
+  Vec3 contact_point_ = Vec3::Zero();  // in the last step
   std::array<MesoImpulse, 256> crossings_;
   Rubbing rubbing_;
   std::array<float, block_samples> noise_;

@@ -7,7 +7,7 @@ namespace intaglio::sound {
 
 namespace {
 
-constexpr double share_of_new = 1.0 / 3;
+constexpr double min_new_share = 1.0 / 3;
 
 }  // namespace
 
@@ -19,23 +19,23 @@ void ContactStep::add(const ContactEvent& event) {
   if (count < max_points) points[count++] = event;
 }
 
-double ContactStep::share(std::size_t i) const {
+double ContactStep::impulse_share(std::size_t i) const {
   double sum = 0;
   for (std::size_t k = 0; k < count; ++k) sum += points[k].impulse.norm();
-  return sum > 0 ? points[i].impulse.norm() / sum : 1 / static_cast<double>(count);
+  return sum > 0 ? points[i].impulse.norm() / sum : 1 / double(count);
 }
 
 const ContactEvent& ContactStep::main_point() const {
   const auto less = [](const ContactEvent& a, const ContactEvent& b) {
     return a.impulse.norm() < b.impulse.norm();
   };
-  return *std::max_element(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count), less);
+  return *std::max_element(points.begin(), points.begin() + std::ptrdiff_t(count), less);
 }
 
-std::optional<double> ContactStep::touch() const {
+std::optional<double> ContactStep::first_touch() const {
   std::optional<double> when;
   for (std::size_t i = 0; i < count; ++i) {
-    if (std::isnan(points[i].touch_age) || share(i) < share_of_new) continue;
+    if (std::isnan(points[i].touch_age) || impulse_share(i) < min_new_share) continue;
     const double after = std::clamp(1 - points[i].touch_age / duration, 0.0, 1.0);
     when = std::min(when.value_or(1), after);
   }
@@ -46,20 +46,20 @@ const ContactEvent& ContactStep::nearest_point(const Vec3& place) const {
   const auto less = [&](const ContactEvent& a, const ContactEvent& b) {
     return (a.point - place).squaredNorm() < (b.point - place).squaredNorm();
   };
-  return *std::min_element(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count), less);
+  return *std::min_element(points.begin(), points.begin() + std::ptrdiff_t(count), less);
 }
 
-Vec3 ContactForce::step(const Vec3& impulse) {
+Vec3 ImpulseSplitter::split(const Vec3& impulse) {
   const double before = previous_.squaredNorm();
   const double common = before > 0 ? std::clamp(impulse.dot(previous_) / before, 0.0, 1.0) : 0.0;
-  const Vec3 lasting = common * previous_;
-  Vec3 blow = impulse - lasting;
-  const double lasted = lasting_.norm();
-  if (lasting.norm() < lasted) blow -= (1 - lasting.norm() / lasted) * lasting_;
-  if (blow.norm() <= dead_band_ * std::max(lasting.norm(), lasted)) blow.setZero();
+  const Vec3 sustained = common * previous_;
+  Vec3 onset = impulse - sustained;
+  const double last = sustained_.norm();
+  if (sustained.norm() < last) onset -= (1 - sustained.norm() / last) * sustained_;
+  if (onset.norm() <= dead_band_ * std::max(sustained.norm(), last)) onset.setZero();
   previous_ = impulse;
-  lasting_ = lasting;
-  return blow;
+  sustained_ = sustained;
+  return onset;
 }
 
 }  // namespace intaglio::sound

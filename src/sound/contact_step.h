@@ -24,40 +24,49 @@ struct ContactStep {
 
   double start() const { return time - duration; }
   void add(const ContactEvent& event);
-  // How much of the step's impulse point i bears; all add up to 1.
-  double share(std::size_t i) const;
-  // The point that bears most, and the one nearest to `place`, world.
+  // Point i's share of the step's impulse; the shares add up to 1.
+  double impulse_share(std::size_t i) const;
+  // The point with the largest impulse, and the one nearest to a place in the world.
   const ContactEvent& main_point() const;
-  // When the first of those points met what it touches that did not touch before and bear a third of the step
-  // at least; 0..1 of the step.
-  std::optional<double> touch() const;
   const ContactEvent& nearest_point(const Vec3& place) const;
+  // Fraction of the step at which the earliest new contact began, among new points that carry at least a
+  // third of the impulse.
+  std::optional<double> first_touch() const;
 };
 
-// What is new in the impulses that a physics engine reports, step after step, for one pair of bodies
-// (§1.3.3).
+// Splits the impulses that an engine reports, step after step, for one pair of bodies into a sustained part
+// and onsets (§1.3.3).
 //
-// A body at rest has an impulse in every step, and played as they are these would drone at the rate of the
-// engine. So the impulse J_k of a step is split into what lasts, S_k, the part that the step before had as
-// well, and what is new, J_k - S_k; only the new part strikes. When what lasted falls, because the body lifts
-// off, the loss strikes the other way. A bounce is thus one blow, where the plain difference J_k - J_(k-1)
-// would make it two opposite ones a step apart, a comb filter; a steady force is silent; and setting a weight
-// down and lifting it off sound alike. Linear in the impulses (N s). One object a pair, one thread.
+// A body at rest has an impulse in every step, and played as they are these would buzz at the engine's step
+// rate. So only onsets strike. With J_k the impulse of step k and S_k its sustained part, the part that the
+// step before had as well,
+//
+//   S_k   = clamp(J_k . J_(k-1) / |J_(k-1)|^2, 0, 1) J_(k-1)
+//   onset = J_k - S_k - max(0, 1 - |S_k| / |S_(k-1)|) S_(k-1).
+//
+// The last term is the release: when the sustained part falls, because the body lifts off, the loss strikes
+// backwards.
+//   steady  J, J, J, ...   S = J, onset 0: silent
+//   bounce  0, J, 0        onsets 0, J, 0: one blow, where the difference J_k - J_(k-1) would be two opposite
+//                          ones a step apart, a comb filter
+//   weight  0, J, J, 0     onsets 0, J, 0, -J: setting it down and lifting it off sound alike
+// Scaling all impulses scales the onsets; sums of impulses do not give sums of onsets. One object per pair,
+// one thread.
 
-class ContactForce {
+class ImpulseSplitter {
  public:
-  // A change smaller than `dead_band` times what lasts is the solver's noise and does not sound.
-  explicit ContactForce(double dead_band = 1e-3) : dead_band_(dead_band) {}
+  // A change smaller than `dead_band` times the sustained part is the solver's noise and does not sound.
+  explicit ImpulseSplitter(double dead_band = 1e-3) : dead_band_(dead_band) {}
 
-  // Takes J_k and returns the blow of this step. A step without contact is J_k = 0.
-  Vec3 step(const Vec3& impulse);
+  // Takes J_k (N s) and returns the onset of this step. A step without contact is J_k = 0.
+  Vec3 split(const Vec3& impulse);
   // S_k, after the last step.
-  const Vec3& lasting() const { return lasting_; }
+  const Vec3& sustained() const { return sustained_; }
 
  private:
   double dead_band_;
   Vec3 previous_ = Vec3::Zero();
-  Vec3 lasting_ = Vec3::Zero();
+  Vec3 sustained_ = Vec3::Zero();
 };
 
 }  // namespace intaglio::sound

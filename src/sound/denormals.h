@@ -1,5 +1,5 @@
-// While one of these lives, its thread treats denormal floats as zero: decaying resonators would otherwise
-// end up among them and cost sixty times more. Nothing on processors other than x86-64 and arm64.
+// Sets flush-to-zero and denormals-are-zero for the current thread (RAII): resonators would otherwise decay
+// into denormals and cost sixty times more. A no-op on processors other than x86-64 and arm64.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
-// All sounding bodies together: their resonators, where they are, and the pulses that strike them.
+// All sounding bodies: their resonators, where they are, and the pulses that strike them.
 //
-// Internal to sound/. All memory is taken at construction; nothing here allocates, locks or throws
+// Internal to sound/. All memory is allocated at construction; nothing here allocates, locks or throws
 // afterwards. One thread.
 #pragma once
 
@@ -20,20 +20,20 @@ class Ensemble {
  public:
   Ensemble(std::vector<SoundBody> bodies, const SynthesizerOptions& options);
 
-  int size() const { return static_cast<int>(bodies_.size()); }
+  int size() const { return int(bodies_.size()); }
   const SoundBody& body(int i) const { return bodies_[std::size_t(i)].body; }
-  // Of the model, or the default one.
+  // The body's material, else the model's, else the default.
   const Material& material(int i) const;
   // The roughness of its material.
   const MicroNoise& noise(int i) const { return *bodies_[std::size_t(i)].micro; }
   // -1 when no body has that id.
   int find(BodyId id) const;
   void move(int i, const Pose& pose) { bodies_[std::size_t(i)].pose = pose; }
-  // Body i has been touched there: where a fixed one sounds from.
-  void touch(int i, const Vec3& point);
+  // Fixed bodies radiate from the last touched point.
+  void set_touch_point(int i, const Vec3& point);
   void set_listener(const Listener& listener) { listener_ = listener; }
   int padded_modes(int i) const { return bodies_[std::size_t(i)].padded_modes(); }
-  int most_modes() const;
+  int max_padded_modes() const;
 
   // Adds `weight` times the gains of body i for a push along `direction` at `point` (both world) to `out`, of
   // padded_modes(i).
@@ -46,7 +46,7 @@ class Ensemble {
   void reserve_drives(std::size_t count);
 
   // Adds `samples` samples, at most block_samples and not beyond the next multiple of it, from number `first`
-  // on to `out`: as long, or twice that when it has both ears.
+  // on to `out`: mono if out.size() == samples, interleaved stereo if twice that.
   void render(std::int64_t first, std::size_t samples, std::span<float> out);
   void sleep_when_silent();
   // Fades out the quietest modes beyond options.max_modes.
@@ -62,20 +62,20 @@ class Ensemble {
 
     SoundBody body;
     Pose pose;
-    Vec3 source;                  // where it sounds from
-    EarGains ears_from, ears_to;  // at the ends of these block_samples
+    Vec3 source;                  // radiates from there
+    EarGains ears_from, ears_to;  // at the two ends of the current block
     std::vector<ModalBank> bank;  // one, or none for a body that makes no sound
-    int ringing = 0;              // modes of the model in it; one more is the click of a free body
+    int model_modes = 0;          // of the bank; one more is the click of a free body
     std::vector<Drive> drives;    // of the coming block
     std::shared_ptr<const MicroNoise> micro;
   };
   static std::vector<Member> members(std::vector<SoundBody> bodies, const SynthesizerOptions& options);
-  // A group of modes of a body, and how loud it is.
+  // A group of modes of a body, and its loudness.
   struct Voice {
     float loudness;
     int body, group;
   };
-  void turn_heads(std::int64_t first);
+  void update_ear_gains(std::int64_t first);
   void mix(const Member& member, std::int64_t first, std::span<const float> pascals,
            std::span<float> out) const;
 
@@ -84,7 +84,7 @@ class Ensemble {
   std::vector<Member> bodies_;
   PulsePool pulses_;
   std::size_t max_groups_;
-  std::vector<Voice> voices_;  // of one look
+  std::vector<Voice> sounding_;  // reused by steal_quietest()
   std::uint64_t stolen_ = 0;
   std::vector<float> scratch_;                              // gains of one push
   std::vector<std::array<float, block_samples>> impulses_;  // of each pulse in the block

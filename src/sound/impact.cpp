@@ -18,33 +18,33 @@ double effective_modulus(const Material& a, const Material& b) {
 
 double hertz_contact_duration(double mass, double radius, double modulus, double speed) {
   assert(mass > 0 && radius > 0 && modulus > 0);
-  if (!(speed > 0)) return longest_contact;
+  if (!(speed > 0)) return max_contact_duration;
   const double duration = 2.87 * elementary::pow(mass * mass / (radius * modulus * modulus * speed), 0.2);
-  return std::clamp(duration, shortest_contact, longest_contact);
+  return std::clamp(duration, min_contact_duration, max_contact_duration);
 }
 
 double hertz_patch_radius(double force, double radius, double modulus) {
   return elementary::cbrt(0.75 * std::max(force, 0.0) * radius / modulus);
 }
 
-double HalfSine::given(double time) const {
+double HalfSine::impulse_by(double time) const {
   const double phase = std::clamp((time - start) / duration, 0.0, 1.0);
   return 0.5 * (1 - elementary::cos(std::numbers::pi * phase));
 }
 
 void HalfSine::sample(double time, double dt, std::span<float> out) const {
-  double before = given(time);
+  double before = impulse_by(time);
   for (std::size_t k = 0; k < out.size(); ++k) {
-    const double after = given(time + static_cast<double>(k + 1) * dt);
-    out[k] = static_cast<float>(after - before);
+    const double after = impulse_by(time + double(k + 1) * dt);
+    out[k] = float(after - before);
     before = after;
   }
 }
 
 namespace {
 
-constexpr double radius_of_flat_pair = 0.01, sharpest = 1e-4;  // m
-constexpr double closest_fit = 0.1;                            // of the curvature without a groove
+constexpr double flat_pair_radius = 0.01, min_radius = 1e-4;  // m
+constexpr double min_curvature_ratio = 0.1;                   // of the curvature without a groove
 
 }  // namespace
 
@@ -60,8 +60,8 @@ double relief_curvature(const surface::Surface& surface, const Vec2& uv, double 
 
 double contact_radius(double a, double b, double curvature) {
   double bodies = 1 / a + 1 / b;
-  if (!(bodies > 0)) bodies = 1 / radius_of_flat_pair;
-  return 1 / std::clamp(bodies + curvature, closest_fit * bodies, 1 / sharpest);
+  if (!(bodies > 0)) bodies = 1 / flat_pair_radius;
+  return 1 / std::clamp(bodies + curvature, min_curvature_ratio * bodies, 1 / min_radius);
 }
 
 PulsePool::PulsePool(int capacity, int gains_each)
@@ -70,15 +70,6 @@ PulsePool::PulsePool(int capacity, int gains_each)
       gains_(std::size_t(capacity) * std::size_t(gains_each)) {
   active_.reserve(pulses_.size());
   for (int slot = capacity - 1; slot >= 0; --slot) free_.push_back(slot);
-}
-
-std::span<float> PulsePool::row(int slot) {
-  return std::span(gains_).subspan(std::size_t(slot) * std::size_t(gains_each_), std::size_t(gains_each_));
-}
-
-std::span<const float> PulsePool::gains(int i) const {
-  const auto slot = static_cast<std::size_t>(active_[std::size_t(i)]);
-  return std::span(gains_).subspan(slot * std::size_t(gains_each_), std::size_t(gains_each_));
 }
 
 std::span<float> PulsePool::add(const Pulse& pulse) {

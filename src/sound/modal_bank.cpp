@@ -16,9 +16,9 @@ namespace intaglio::sound {
 
 namespace {
 
-constexpr double fade_time = 2e-3;  // s, in which a group that fades falls by a factor of e
+constexpr double fade_time = 2e-3;  // s, time constant of a fade
 
-// Lanes in one order, whatever the processor: halves onto halves.
+// Adds the lanes in one order, whatever the processor: halves onto halves.
 float sum_of(const float* lanes) {
   std::array<float, resonator_lanes> x;
   std::copy_n(lanes, resonator_lanes, x.begin());
@@ -42,11 +42,11 @@ ModalBank::ModalBank(const ModalModel& model, double sample_rate)
     : ModalBank(resonators(model, sample_rate), sample_rate) {}
 
 ModalBank::ModalBank(std::span<const Resonator> resonators, double sample_rate)
-    : sample_rate_(sample_rate), modes_(static_cast<int>(resonators.size())) {
+    : sample_rate_(sample_rate), modes_(int(resonators.size())) {
   const double dt = 1 / sample_rate;
   const std::size_t count = (resonators.size() + resonator_lanes - 1) / resonator_lanes;
   groups_.resize(count);
-  turns_.resize(count);
+  rotations_.resize(count);
   is_awake_.resize(count);
   is_fading_.resize(count);
   all_.resize(count);
@@ -60,17 +60,17 @@ ModalBank::ModalBank(std::span<const Resonator> resonators, double sample_rate)
     const double omega_d = std::sqrt(omega * omega - d * d);
     const double decay = elementary::exp(-d * dt);
     const auto [sine, cosine] = elementary::sin_cos(omega_d * dt);
-    group.turn_re[lane] = static_cast<float>(decay * cosine);
-    group.turn_im[lane] = static_cast<float>(decay * sine);
+    group.turn_re[lane] = float(decay * cosine);
+    group.turn_im[lane] = float(decay * sine);
     // w = radiation (1 + i d / omega_d), so that Re(w z) = radiation (Re z - d / omega_d Im z).
-    group.drive_re[lane] = static_cast<float>(radiation);
-    group.drive_im[lane] = static_cast<float>(radiation * d / omega_d);
+    group.drive_re[lane] = float(radiation);
+    group.drive_im[lane] = float(radiation * d / omega_d);
     const double weight = radiation * radiation * (1 + d * d / (omega_d * omega_d));
     unweighted_.push_back(weight > 0 ? 1 / weight : 0);
   }
   for (std::size_t g = 0; g < count; ++g) {
-    std::copy_n(groups_[g].turn_re, resonator_lanes, turns_[g].re);
-    std::copy_n(groups_[g].turn_im, resonator_lanes, turns_[g].im);
+    std::copy_n(groups_[g].turn_re, resonator_lanes, rotations_[g].re);
+    std::copy_n(groups_[g].turn_im, resonator_lanes, rotations_[g].im);
   }
 }
 
@@ -84,7 +84,7 @@ void ModalBank::process(std::span<const Drive> drives, std::span<float> out) {
   if (awake_.empty()) return;
   alignas(64) std::array<float, block_samples * resonator_lanes> sum;
   std::fill_n(sum.begin(), out.size() * resonator_lanes, 0.0f);
-  ring(groups_, awake_, drives, static_cast<int>(out.size()), sum.data());
+  ring(groups_, awake_, drives, int(out.size()), sum.data());
   for (std::size_t n = 0; n < out.size(); ++n) out[n] += sum_of(&sum[n * resonator_lanes]);
 }
 
@@ -100,8 +100,8 @@ void ModalBank::silence(int group) {
   ResonatorGroup& g = groups_[std::size_t(group)];
   std::fill_n(g.re, resonator_lanes, 0.0f);
   std::fill_n(g.im, resonator_lanes, 0.0f);
-  std::copy_n(turns_[std::size_t(group)].re, resonator_lanes, g.turn_re);
-  std::copy_n(turns_[std::size_t(group)].im, resonator_lanes, g.turn_im);
+  std::copy_n(rotations_[std::size_t(group)].re, resonator_lanes, g.turn_re);
+  std::copy_n(rotations_[std::size_t(group)].im, resonator_lanes, g.turn_im);
   is_awake_[std::size_t(group)] = is_fading_[std::size_t(group)] = 0;
 }
 
@@ -115,14 +115,13 @@ void ModalBank::sleep_when_silent() {
 }
 
 int ModalBank::sounding_groups() const {
-  return static_cast<int>(
-      std::count_if(awake_.begin(), awake_.end(), [this](int g) { return is_sounding(g); }));
+  return int(std::count_if(awake_.begin(), awake_.end(), [this](int g) { return is_sounding(g); }));
 }
 
 void ModalBank::fade(int group) {
   if (!is_sounding(group)) return;
   is_fading_[std::size_t(group)] = 1;
-  const auto faster = static_cast<float>(elementary::exp(-1 / (fade_time * sample_rate_)));
+  const auto faster = float(elementary::exp(-1 / (fade_time * sample_rate_)));
   for (std::size_t lane = 0; lane < resonator_lanes; ++lane) {
     groups_[std::size_t(group)].turn_re[lane] *= faster;
     groups_[std::size_t(group)].turn_im[lane] *= faster;

@@ -31,8 +31,8 @@ Material material_of(const file::Elasticity& from) {
   return material;
 }
 
-// The verifier checks where a list begins, but not that its elements are aligned: bytes are copied, not read.
-static_assert(FLATBUFFERS_LITTLEENDIAN, "the lists of a model file are read as they are");
+// The verifier does not check the alignment of vector elements, so they are copied with memcpy.
+static_assert(FLATBUFFERS_LITTLEENDIAN, "vectors of a model file are copied as they are");
 template <class T, class List>
 std::vector<T> copied(const List& list) {
   std::vector<T> values(list.size());
@@ -64,32 +64,33 @@ Result<void> check_modes(const ModalModel& model, const std::string& name) {
     const double omega = model.angular_frequency[m], d = model.damping[m];
     if (!(omega >= last && omega > 0 && omega < 1e9 && d >= 0 && d < omega &&
           std::abs(model.radiation[m]) < 1e6))
-      return fail(name, fmt::format("mode {} does not ring, or is out of order", m));
+      return fail(name, fmt::format("mode {} is overdamped or out of order", m));
     last = omega;
   }
   if (!is_finite(model.material) || !(model.mass > 0 && std::isfinite(model.mass)) ||
       !(model.area > 0 && std::isfinite(model.area)) || !std::isfinite(model.residual) ||
       !std::isfinite(model.shape_error) || !std::isfinite(model.merge_error_db) ||
-      !std::isfinite(model.merge_error_rms_db) || model.modes_found < 0)
-    return fail(name, "its material, mass or area is not a number that can be");
+      !std::isfinite(model.merge_error_rms_db) || model.modes_before_merging < 0)
+    return fail(name, "its material, mass or area is not a valid number");
   return {};
 }
 
 Result<void> check_surface(const ModalModel& model, const std::string& name) {
   if (model.points.empty() || model.triangles.empty()) return fail(name, "has no surface");
   if (model.shapes.size() != 3 * model.points.size() * model.angular_frequency.size())
-    return fail(name, "its shapes are not one of each mode for each point");
+    return fail(name, "the number of mode shapes does not match modes x points");
   const Vec3 middle = model.points.front();
   if (std::all_of(model.points.begin(), model.points.end(),
                   [&](const Vec3& p) { return (p - middle).norm() < 1e-6; }))
-    return fail(name, "its surface is a point");
+    return fail(name, "its surface has no extent");
   const auto within = [](const Vec3& p) { return (p.array().abs() <= max_coordinate).all(); };
   if (!std::all_of(model.points.begin(), model.points.end(), within))
     return fail(name, fmt::format("a point is not finite or beyond {} m", max_coordinate));
   for (const Triangle& t : model.triangles) {
     for (const int p : t) {
       if (p < 0 || std::size_t(p) >= model.points.size())
-        return fail(name, fmt::format("a triangle names point {} of {}", p, model.points.size()));
+        return fail(name,
+                    fmt::format("a triangle refers to point {}, but there are {}", p, model.points.size()));
     }
   }
   if (!std::all_of(model.shapes.begin(), model.shapes.end(), [](float x) { return std::isfinite(x); }))
@@ -110,21 +111,20 @@ std::vector<std::uint8_t> model_bytes(const ModalModel& model) {
       builder, builder.CreateString(m.name), m.density, m.youngs_modulus, m.poisson_ratio, m.rayleigh_alpha,
       m.rayleigh_beta, m.friction, m.restitution, m.rolling_resistance, m.micro.rms_height,
       m.micro.correlation_length, m.micro.spectral_slope);
-  const auto name = builder.CreateString(model.name), source = builder.CreateString(model.source);
+  const auto name = builder.CreateString(model.name), source = builder.CreateString(model.identity);
   const auto frequency = builder.CreateVector(model.angular_frequency);
   const auto damping = builder.CreateVector(model.damping);
   const auto radiation = builder.CreateVector(model.radiation);
   const auto point_list = builder.CreateVectorOfStructs(points);
   const auto face_list = builder.CreateVectorOfStructs(faces);
-  const std::vector<float> units = shape_units(model);
-  const std::vector<std::int16_t> rounded = rounded_shapes(model, units);
-  const auto shapes = builder.CreateVector(rounded);
-  const auto shape_units = builder.CreateVector(units);
+  const std::vector<float> scales = shape_scales(model);
+  const auto shapes = builder.CreateVector(quantised_shapes(model, scales));
+  const auto shape_unit = builder.CreateVector(scales);
   file::FinishModelBuffer(
-      builder,
-      file::CreateModel(builder, name, material, model.mass, model.area, model.residual, frequency, damping,
-                        radiation, point_list, face_list, shapes, model.shape_error, source, model_version,
-                        model.modes_found, model.merge_error_db, model.merge_error_rms_db, shape_units));
+      builder, file::CreateModel(builder, name, material, model.mass, model.area, model.residual, frequency,
+                                 damping, radiation, point_list, face_list, shapes, model.shape_error, source,
+                                 model_version, model.modes_before_merging, model.merge_error_db,
+                                 model.merge_error_rms_db, shape_unit));
   return {builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize()};
 }
 
@@ -132,7 +132,7 @@ Result<ModalModel> parse_model(std::span<const std::uint8_t> bytes, const std::s
   if (bytes.size() > max_file_bytes)
     return fail(name, fmt::format("has {} bytes", bytes.size()),
                 fmt::format("at most {} are read", max_file_bytes));
-  // The verifier wants aligned numbers, which a span need not hold.
+  // The verifier needs aligned data, which a span need not be.
   const std::vector<std::uint8_t> aligned(bytes.begin(), bytes.end());
   flatbuffers::Verifier verifier(aligned.data(), aligned.size());
   if (aligned.size() < 16 || !file::VerifyModelBuffer(verifier))
@@ -141,7 +141,8 @@ Result<ModalModel> parse_model(std::span<const std::uint8_t> bytes, const std::s
   const file::Model& from = *file::GetModel(aligned.data());
   if (from.version() != model_version)
     return fail(name,
-                fmt::format("is of format {}, and this program reads {}", from.version(), model_version),
+                fmt::format("has format version {}, and this program reads version {}", from.version(),
+                            model_version),
                 "bake it again: intaglio bake MESH --material M -o MODEL");
   ModalModel model;
   model.name = from.name() ? from.name()->str() : "";
@@ -149,9 +150,9 @@ Result<ModalModel> parse_model(std::span<const std::uint8_t> bytes, const std::s
   model.mass = from.mass();
   model.area = from.area();
   model.residual = from.residual();
-  model.source = from.source() ? from.source()->str() : "";
+  model.identity = from.source() ? from.source()->str() : "";
   model.shape_error = from.shape_error();
-  model.modes_found = from.modes_found();
+  model.modes_before_merging = from.modes_found();
   model.merge_error_db = from.merge_error_db();
   model.merge_error_rms_db = from.merge_error_rms_db();
   model.angular_frequency = copied<double>(*from.angular_frequency());
@@ -161,26 +162,26 @@ Result<ModalModel> parse_model(std::span<const std::uint8_t> bytes, const std::s
     model.points.emplace_back(p.x(), p.y(), p.z());
   for (const file::Face& f : copied<file::Face>(*from.triangles()))
     model.triangles.push_back({f.a(), f.b(), f.c()});
-  const std::vector<std::int16_t> rounded = copied<std::int16_t>(*from.shapes());
-  const std::vector<float> units =
+  const std::vector<std::int16_t> quantised = copied<std::int16_t>(*from.shapes());
+  const std::vector<float> scales =
       from.shape_unit() ? copied<float>(*from.shape_unit()) : std::vector<float>();
-  if (units.size() != model.angular_frequency.size() ||
-      (!units.empty() && rounded.size() % units.size() != 0))
-    return fail(name, "its shapes have not one unit for each mode", "bake it again");
-  if (!std::all_of(units.begin(), units.end(), [](float u) { return u >= 0x1p-120f && u <= 0x1p120f; }))
-    return fail(name, "a unit of its shapes is not a number that can be", "bake it again");
-  model.shapes.reserve(rounded.size());
-  for (auto whole = rounded.begin(); whole != rounded.end() && !units.empty();) {
-    for (const float unit : units) model.shapes.push_back(float(*whole++) * unit);
+  if (scales.size() != model.angular_frequency.size() ||
+      (!scales.empty() && quantised.size() % scales.size() != 0))
+    return fail(name, "shape_unit must have one entry per mode", "bake it again");
+  if (!std::all_of(scales.begin(), scales.end(), [](float u) { return u >= 0x1p-120f && u <= 0x1p120f; }))
+    return fail(name, "a shape_unit is out of range", "bake it again");
+  model.shapes.reserve(quantised.size());
+  for (auto value = quantised.begin(); value != quantised.end() && !scales.empty();) {
+    for (const float scale : scales) model.shapes.push_back(float(*value++) * scale);
   }
-  if (auto sound = check_modes(model, name); !sound) return tl::unexpected(sound.error());
-  if (auto sound = check_surface(model, name); !sound) return tl::unexpected(sound.error());
+  if (auto valid = check_modes(model, name); !valid) return tl::unexpected(valid.error());
+  if (auto valid = check_surface(model, name); !valid) return tl::unexpected(valid.error());
   model.grid = TriangleGrid(model.points, model.triangles);
   return model;
 }
 
 Result<void> write_model(const std::filesystem::path& path, const ModalModel& model) {
-  if (auto sound = check_modes(model, path.string()); !sound) return sound;
+  if (auto valid = check_modes(model, path.string()); !valid) return valid;
   return write_file(path, model_bytes(model));
 }
 

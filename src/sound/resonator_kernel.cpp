@@ -5,7 +5,7 @@
 #include <array>
 #include <cassert>
 
-// Vectors whose size is not known when this is compiled cannot be held in arrays.
+// Scalable vectors (SVE, RVV) cannot be array elements.
 #define HWY_DISABLED_TARGETS (HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sound/resonator_kernel.cpp"
@@ -22,18 +22,18 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::CappedTag<float, resonator_lanes>;
 using V = hn::Vec<Tag>;
 constexpr Tag tag;
-constexpr int width = static_cast<int>(hn::MaxLanes(tag));
-constexpr int parts = resonator_lanes / width;  // vectors a group
-// Groups at once: enough for the next sample of one to be begun while that of another is on its way.
+constexpr int width = int(hn::MaxLanes(tag));
+constexpr int parts = resonator_lanes / width;  // vectors per group
+// Groups interleaved to hide the latency of the recurrence.
 constexpr int together = width >= 16 ? 4 : width == 8 ? 2 : 1;
 
-// What a group receives from several drives, sample by sample.
-struct Received {
+// The input of a group from several drives, sample by sample.
+struct GroupInput {
   alignas(64) std::array<float, block_samples * resonator_lanes> re, im;
 };
 
-HWY_ATTR inline void Receive(const ResonatorGroup& group, int index, std::span<const Drive> drives,
-                             int samples, Received& in) {
+HWY_ATTR inline void AccumulateDrives(const ResonatorGroup& group, int index, std::span<const Drive> drives,
+                                      int samples, GroupInput& in) {
   std::fill_n(in.re.begin(), samples * resonator_lanes, 0.0f);
   std::fill_n(in.im.begin(), samples * resonator_lanes, 0.0f);
   for (const Drive& drive : drives) {
@@ -51,7 +51,7 @@ HWY_ATTR inline void Receive(const ResonatorGroup& group, int index, std::span<c
   }
 }
 
-HWY_ATTR inline void RingReceived(ResonatorGroup& group, const Received& in, int samples, float* sum) {
+HWY_ATTR inline void RingWithInput(ResonatorGroup& group, const GroupInput& in, int samples, float* sum) {
   for (int lane = 0; lane < resonator_lanes; lane += width) {
     const V turn_re = hn::Load(tag, group.turn_re + lane), turn_im = hn::Load(tag, group.turn_im + lane);
     V re = hn::Load(tag, group.re + lane), im = hn::Load(tag, group.im + lane);
@@ -90,8 +90,8 @@ HWY_ATTR inline void RingTogether(ResonatorGroup* groups, const int* index, cons
     }
   }
   for (int n = 0; n < samples; ++n) {
-    V given;
-    if constexpr (is_driven) given = hn::Set(tag, impulse[n]);
+    V input;
+    if constexpr (is_driven) input = hn::Set(tag, impulse[n]);
     for (int p = 0; p < parts; ++p) {
       float* const at = sum + n * resonator_lanes + p * width;
       V total = hn::Load(tag, at);
@@ -100,8 +100,8 @@ HWY_ATTR inline void RingTogether(ResonatorGroup* groups, const int* index, cons
         re[g][p] = hn::Sub(hn::Mul(turn_re[g][p], before), hn::Mul(turn_im[g][p], im[g][p]));
         im[g][p] = hn::Add(hn::Mul(turn_re[g][p], im[g][p]), hn::Mul(turn_im[g][p], before));
         if constexpr (is_driven) {
-          re[g][p] = hn::Add(re[g][p], hn::Mul(gain_re[g][p], given));
-          im[g][p] = hn::Add(im[g][p], hn::Mul(gain_im[g][p], given));
+          re[g][p] = hn::Add(re[g][p], hn::Mul(gain_re[g][p], input));
+          im[g][p] = hn::Add(im[g][p], hn::Mul(gain_im[g][p], input));
         }
         total = hn::Add(total, re[g][p]);
       }
@@ -117,7 +117,7 @@ HWY_ATTR inline void RingTogether(ResonatorGroup* groups, const int* index, cons
   }
 }
 
-// As many at once as there are, `count` at most.
+// All groups, `count` at a time, then fewer.
 template <bool is_driven, int count = together>
 HWY_ATTR inline void RingAll(ResonatorGroup* groups, std::span<const int> awake, const float* gains,
                              const float* impulse, int samples, float* sum) {
@@ -137,10 +137,10 @@ HWY_ATTR void Ring(std::span<ResonatorGroup> groups, std::span<const int> awake,
     std::copy(drives[0].impulse.begin(), drives[0].impulse.end(), impulse.begin() + drives[0].first);
     RingAll<true>(groups.data(), awake, drives[0].gains.data(), impulse.data(), samples, sum);
   } else {
-    Received in;
+    GroupInput in;
     for (const int k : awake) {
-      Receive(groups[std::size_t(k)], k, drives, samples, in);
-      RingReceived(groups[std::size_t(k)], in, samples, sum);
+      AccumulateDrives(groups[std::size_t(k)], k, drives, samples, in);
+      RingWithInput(groups[std::size_t(k)], in, samples, sum);
     }
   }
 }

@@ -1,7 +1,7 @@
-// The inner loop of the modal bank: damped resonators in coupled form, sixteen side by side, with the widest
-// instructions that the processor has.
+// The inner loop of the modal bank: damped resonators in coupled form, sixteen side by side, using the widest
+// SIMD instructions available.
 //
-// Internal to sound/. A group is sixteen complex numbers z that turn and shrink each sample,
+// Internal to sound/. A group is sixteen complex numbers z that are rotated and scaled each sample,
 //   z <- turn z + sum over drives of (drive gain) impulse,
 // already scaled so that the output is the sum of their real parts. Highway chooses the instructions at run
 // time. No multiplication is fused with an addition and the sixteen lanes are added in one order, so every
@@ -17,10 +17,10 @@ namespace intaglio::sound {
 inline constexpr int block_samples = 64;
 inline constexpr int resonator_lanes = 16;
 
-// Impulses that enter during a block: sample first + k receives gains[m] * impulse[k] in mode m.
+// Impulses that arrive during a block: sample first + k receives gains[m] * impulse[k] in mode m.
 struct Drive {
   std::span<const float> gains;    // of all groups: resonator_lanes each
-  std::span<const float> impulse;  // N s a sample
+  std::span<const float> impulse;  // N s per sample
   int first = 0;
 };
 
@@ -31,13 +31,13 @@ struct alignas(64) ResonatorGroup {
   Lanes drive_re{}, drive_im{};  // z for a gain and impulse of 1
 };
 
-// Rings groups[k] for each k of `awake`, ascending, for `samples` (at most block_samples), and adds the real
-// parts to `sum`: resonator_lanes for each sample, 64-byte aligned.
+// Advances groups[k] for each k of `awake`, ascending, by `samples` (at most block_samples), and adds the
+// real parts to `sum`: resonator_lanes for each sample, 64-byte aligned.
 void ring(std::span<ResonatorGroup> groups, std::span<const int> awake, std::span<const Drive> drives,
           int samples, float* sum);
 
-// The instruction sets that this build has and this machine can run, best first; and a way to use a certain
-// one, for tests and benchmarks. Choosing is not thread-safe.
+// The instruction sets that this build has and this machine can run, best first; and a way to select one, for
+// tests and benchmarks. Selecting is not thread-safe.
 std::vector<std::string> ring_targets();
 void use_ring_target(const std::string& name);
 void use_best_ring_target();

@@ -7,7 +7,7 @@ namespace intaglio::sound {
 
 namespace {
 
-constexpr double blow_duration = 1e-3;  // s, of the step in whose middle the blow is
+constexpr double step_duration = 1e-3;  // s; the blow is in its middle
 
 }  // namespace
 
@@ -20,7 +20,7 @@ SurfacePoint nearest_surface(const ModalModel& model, const Vec3& point) {
   const Triangle& t = model.triangles[std::size_t(at.triangle)];
   const auto corner = [&](std::size_t k) { return model.points[std::size_t(t[k])]; };
   return {at.barycentric[0] * corner(0) + at.barycentric[1] * corner(1) + at.barycentric[2] * corner(2),
-          (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized()};
+          triangle_cross(model.points, t).normalized()};
 }
 
 Vec3 default_strike_point(const ModalModel& model) {
@@ -57,8 +57,8 @@ ContactEvent strike_event(const ModalModel& model, const Strike& strike, double 
   const double mallet = strike.mallet.mass(), effective = 1 / (1 / mallet + 1 / model.mass);
   const double rebound = 1 + strike.mallet.material.restitution * model.material.restitution;
   ContactEvent event;
-  event.time = time + 0.5 * blow_duration;
-  event.duration = blow_duration;
+  event.time = time + 0.5 * step_duration;
+  event.duration = step_duration;
   event.body = mallet_body;
   event.other = struck_body;
   event.phase = ContactPhase::begin;

@@ -1,6 +1,6 @@
-// One blow with a mallet on a body that hangs free: for hearing a model.
+// One blow with a mallet on a body that hangs free, to audition a model.
 //
-// Pure but for the synthesizer it makes. Positions and directions in the model's own frame, metres.
+// Pure functions. Positions and directions in the model's own frame, metres.
 #pragma once
 
 #include <memory>
@@ -21,7 +21,7 @@ struct Mallet {
 struct Strike {
   std::optional<Vec3> at;         // unset: default_strike_point()
   std::optional<Vec3> direction;  // of the push; unset: into the surface there
-  std::optional<double> impulse;  // N s; unset: what the mallet gives at 1 m/s
+  std::optional<double> impulse;  // N s; unset: that of the mallet at 1 m/s
   Mallet mallet;
 };
 
@@ -31,9 +31,9 @@ struct SurfacePoint {
 };
 SurfacePoint nearest_surface(const ModalModel& model, const Vec3& point);
 
-// Where a body is struck when nobody says where: on the broad side of its bounding box (of equal ones the
-// top, then the front), over a third of the way from the middle to the rim, away from every plane of
-// symmetry, so that few modes have a node there. The body's geometry alone decides.
+// Default strike point: on the broad side of the bounding box (of equal ones the top, then the front), more
+// than a third of the way from the middle to the rim, away from every plane of symmetry, so that few modes
+// have a node there. It depends only on the body's geometry.
 Vec3 default_strike_point(const ModalModel& model);
 
 // The bodies, and the blow at `time`, for a Synthesizer or a LiveSound.

@@ -35,7 +35,7 @@ Vec3 nearest_barycentric(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3
     return {0, 1 - t, t};
   }
   const double sum = va + vb + vc;
-  // A sliver without area to speak of has no inside: any corner will do.
+  // Degenerate triangle: return any corner.
   return sum > 0 ? Vec3(Vec3(va, vb, vc) / sum) : Vec3(Vec3::UnitX());
 }
 
@@ -48,14 +48,14 @@ TriangleGrid::TriangleGrid(const std::vector<Vec3>& points, const std::vector<Tr
   cells_ = (bounds.sizes() / cell_size_).array().ceil().cast<int>().max(1).min(cells_along_longest_side);
 
   const double half_diagonal = 0.5 * std::sqrt(3.0) * cell_size_;
-  const double near = half_diagonal + cell_size_;  // a cell whose middle is farther away is not asked
+  const double near = half_diagonal + cell_size_;  // cells farther from the surface keep one candidate
   const auto middle = [&](int cell) {
     const Vec3 index(cell % cells_[0], cell / cells_[0] % cells_[1], cell / (cells_[0] * cells_[1]));
     return Vec3(low_ + cell_size_ * (index + Vec3::Constant(0.5)));
   };
-  // A point of the cell is within half a diagonal of the middle, and so is its distance to any triangle:
-  // those count that are no farther from the middle than the nearest one and a whole diagonal.
-  std::vector<std::vector<std::pair<double, int>>> found(static_cast<std::size_t>(cells_.prod()));
+  // A point x of the cell is within half a diagonal h of its middle m, so |d(x, t) - d(m, t)| <= h for every
+  // triangle t: t can be nearest to x only if d(m, t) <= d(m, nearest to m) + 2 h.
+  std::vector<std::vector<std::pair<double, int>>> found(std::size_t(cells_.prod()));
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     Eigen::AlignedBox3d box;
     for (const int p : triangles[t]) box.extend(points[std::size_t(p)]);
@@ -68,7 +68,7 @@ TriangleGrid::TriangleGrid(const std::vector<Vec3>& points, const std::vector<Tr
           const int cell = (z * cells_[1] + y) * cells_[0] + x;
           if (box.exteriorDistance(middle(cell)) > reach) continue;
           const double distance = distance_to(middle(cell), triangles[t], points);
-          if (distance <= reach) found[std::size_t(cell)].emplace_back(distance, static_cast<int>(t));
+          if (distance <= reach) found[std::size_t(cell)].emplace_back(distance, int(t));
         }
       }
     }
@@ -78,10 +78,10 @@ TriangleGrid::TriangleGrid(const std::vector<Vec3>& points, const std::vector<Tr
     if (!found[cell].empty())
       nearest[cell] = std::min_element(found[cell].begin(), found[cell].end())->second;
   }
-  spread(nearest,
-         [&](int cell, int t) { return distance_to(middle(cell), triangles[std::size_t(t)], points); });
+  flood_nearest(
+      nearest, [&](int cell, int t) { return distance_to(middle(cell), triangles[std::size_t(t)], points); });
   for (std::size_t cell = 0; cell < found.size(); ++cell) {
-    start_.push_back(static_cast<int>(candidates_.size()));
+    start_.push_back(int(candidates_.size()));
     candidates_.push_back(nearest[cell]);
     const double least = distance_to(middle(int(cell)), triangles[std::size_t(nearest[cell])], points);
     if (least > near) continue;
@@ -89,19 +89,19 @@ TriangleGrid::TriangleGrid(const std::vector<Vec3>& points, const std::vector<Tr
       if (distance <= least + 2 * half_diagonal && t != nearest[cell]) candidates_.push_back(t);
     }
   }
-  start_.push_back(static_cast<int>(candidates_.size()));
+  start_.push_back(int(candidates_.size()));
 }
 
-// Gives every cell without a nearest triangle the best one of its neighbours', wave by wave.
+// Gives every cell without a nearest triangle the best one of its neighbours', breadth-first.
 template <class Distance>
-void TriangleGrid::spread(std::vector<int>& nearest, Distance distance) const {
+void TriangleGrid::flood_nearest(std::vector<int>& nearest, Distance distance) const {
   std::vector<int> front;
   for (std::size_t cell = 0; cell < nearest.size(); ++cell) {
-    if (nearest[cell] < 0) front.push_back(static_cast<int>(cell));
+    if (nearest[cell] < 0) front.push_back(int(cell));
   }
   while (!front.empty()) {
-    std::vector<int> left;
-    std::vector<std::pair<int, int>> given;
+    std::vector<int> remaining;
+    std::vector<std::pair<int, int>> found;
     for (const int cell : front) {
       const Eigen::Vector3i at(cell % cells_[0], cell / cells_[0] % cells_[1],
                                cell / (cells_[0] * cells_[1]));
@@ -113,17 +113,17 @@ void TriangleGrid::spread(std::vector<int>& nearest, Distance distance) const {
         if (t >= 0 && (best < 0 || distance(cell, t) < distance(cell, best))) best = t;
       }
       if (best < 0) {
-        left.push_back(cell);
+        remaining.push_back(cell);
       } else {
-        given.emplace_back(cell, best);
+        found.emplace_back(cell, best);
       }
     }
-    if (given.empty()) {  // no triangle was near any cell: rounding at the ends of what numbers hold
-      for (const int cell : left) nearest[std::size_t(cell)] = 0;
+    if (found.empty()) {  // no cell has a candidate (overflow in extreme coordinates)
+      for (const int cell : remaining) nearest[std::size_t(cell)] = 0;
       return;
     }
-    for (const auto& [cell, t] : given) nearest[std::size_t(cell)] = t;
-    front = std::move(left);
+    for (const auto& [cell, t] : found) nearest[std::size_t(cell)] = t;
+    front = std::move(remaining);
   }
 }
 
@@ -131,7 +131,7 @@ Eigen::Vector3i TriangleGrid::index_of(const Vec3& p) const {
   Eigen::Vector3i index;
   for (int axis = 0; axis < 3; ++axis) {
     const double place = std::floor((p[axis] - low_[axis]) / cell_size_);
-    index[axis] = static_cast<int>(std::clamp(place, 0.0, cells_[axis] - 1.0));
+    index[axis] = int(std::clamp(place, 0.0, cells_[axis] - 1.0));
   }
   return index;
 }
@@ -145,7 +145,7 @@ TrianglePoint TriangleGrid::nearest(const Vec3& p, const std::vector<Vec3>& poin
                                     const std::vector<Triangle>& triangles) const {
   const Vec3 high = low_ + cell_size_ * cells_.cast<double>();
   const Vec3 inside = p.cwiseMax(low_).cwiseMin(high);
-  const auto cell = static_cast<std::size_t>(cell_of(inside));
+  const auto cell = std::size_t(cell_of(inside));
   TrianglePoint best;
   double least = std::numeric_limits<double>::infinity();
   for (int i = start_[cell]; i < start_[cell + 1]; ++i) {

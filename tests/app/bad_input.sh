@@ -73,7 +73,7 @@ expect "missing mesh" 'no_such\.obj: no such file' bake "$work/no_such.obj" --ma
 expect "surface without volume" 'sheet\.obj: .*(no volume|is open).*' bake "$work/sheet.obj" --material steel
 expect "truncated STL" 'cut\.stl:5: .*vertex' bake "$work/cut.stl" --material steel
 expect "not a mesh" 'text\.png: .*use \.obj, \.stl' bake "$work/text.png" --material steel
-expect "no such shape size" 'r=-1.* is no size' bake sphere:r=-1 --material steel
+expect "no such shape size" 'r=-1.* is not a valid size' bake sphere:r=-1 --material steel
 expect "no such material" 'did you mean "steel"' bake sphere:r=0.05 --material steal
 expect "partial material" 'partial\.toml: youngs_modulus is missing' bake sphere:r=0.05 --material "$work/partial.toml"
 expect "impossible material" 'poisson\.toml:2: .*Poisson' bake sphere:r=0.05 --material "$work/poisson.toml"

@@ -1,9 +1,12 @@
-// What of a scene rings: shipped models are found, whole and with nothing over; a cache is filled and used.
+// The modal models of scenes: shipped ones are found, all of them and no others; a cache is filled and used;
+// and they are baked on a thread.
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <set>
+#include <thread>
 
 #include "core/file.h"
 #include "scene/surfaces.h"
@@ -71,4 +74,53 @@ TEST_CASE(
   Scene other = scene;
   for (BallScene& ball : other.balls) ball.material.density *= 1.01;
   CHECK(bake_voices(other, surface, options)->models != first->models);
+}
+
+namespace {
+
+// A floor that no folder has a model of, with so many modes that baking it takes seconds.
+Scene slow_scene() {
+  return parse_scene("[sound]\nmodes = 400\n[surface]\nsize = [0.731, 0.657]\n", "slow.toml").value();
+}
+
+std::ptrdiff_t threads() {
+  return std::distance(fs::directory_iterator("/proc/self/task"), fs::directory_iterator());
+}
+
+}  // namespace
+
+TEST_CASE("a baker is busy from the request on, and its end joins its thread amid a bake") {
+  const Scene scene = slow_scene();
+  const SceneSurface surface = make_surface(scene).value();
+  const std::ptrdiff_t before = threads();
+  auto baker = std::make_unique<VoiceBaker>();
+  CHECK_FALSE(baker->is_busy());
+  const std::uint64_t ticket = baker->request(scene, surface, "");
+  CHECK(baker->is_busy());
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  CHECK(baker->is_busy());
+  CHECK_FALSE(baker->take(ticket));
+  const auto start = std::chrono::steady_clock::now();
+  baker.reset();
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+  MESSAGE("stopped within " << took.count() << " s");
+  CHECK(took.count() < 2);
+  CHECK(threads() == before);
+}
+
+TEST_CASE("a superseded request is dropped, and the newer one is answered") {
+  const Scene slow = slow_scene(), quick = small_scene();
+  VoiceBaker baker;
+  const std::uint64_t first = baker.request(slow, make_surface(slow).value(), "");
+  const std::uint64_t second = baker.request(quick, make_surface(quick).value(), "");
+  std::optional<Result<Voices>> voices;
+  for (int k = 0; k < 60'000 && !voices; ++k) {
+    if (k % 100 == 0) CHECK_FALSE(baker.take(first));
+    voices = baker.take(second);
+    if (!voices) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  REQUIRE(voices);
+  REQUIRE(*voices);
+  CHECK((*voices)->bodies.size() == 3);
+  CHECK_FALSE(baker.is_busy());
 }

@@ -59,7 +59,7 @@ inline ModalModel model_of(std::vector<double> hertz, std::vector<double> dampin
 
 inline constexpr double rate = 44'100;
 
-// What a unit impulse of `direction` at a point of the model gives, until it has died away.
+// The response to a unit impulse along `direction` at a point of the model, until it has decayed.
 inline std::vector<float> struck_at(const ModalModel& model, const Vec3& point, const Vec3& direction,
                                     std::size_t samples) {
   ModalBank bank(model, rate);
@@ -87,10 +87,10 @@ inline Vec3 any_direction(Random& random) {
   return d.normalized();
 }
 
-// What each mode radiates together with those that sound as one with it, Pa^2 at 1 m.
+// Radiation of each mode together with those coherent with it, Pa^2 at 1 m.
 inline Eigen::VectorXd radiated_power(const ModalModel& model, const std::vector<double>& radiation) {
   const Eigen::Map<const Eigen::VectorXd> pressure(radiation.data(), model.modes());
-  return kinship(model.angular_frequency, model.damping) * pressure.cwiseAbs2();
+  return coherence(model.angular_frequency, model.damping) * pressure.cwiseAbs2();
 }
 
 }  // namespace intaglio::sound::test

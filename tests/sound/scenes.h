@@ -1,4 +1,4 @@
-// Things that happen, for tests of sound: a plastic ball on a brick slab, and what a physics engine reports.
+// Contact events for tests of sound: a plastic ball on a brick slab, as a physics engine reports them.
 #pragma once
 
 #include <vector>

@@ -31,15 +31,15 @@ TEST_CASE("Hertz: harder, lighter, faster and blunter contacts are shorter; the 
   CHECK(hertz_contact_duration(0.05, 0.02, 1e9, 1) < tau);
   CHECK(hertz_contact_duration(0.1, 0.02, 1e9, 2) < tau);
   CHECK(hertz_contact_duration(0.1, 0.04, 1e9, 1) < tau);
-  CHECK(hertz_contact_duration(1e-12, 1, 1e12, 100) == shortest_contact);
-  CHECK(hertz_contact_duration(1e6, 0.001, 1e3, 1e-9) == longest_contact);
-  CHECK(hertz_contact_duration(0.1, 0.02, 1e9, 0) == longest_contact);
+  CHECK(hertz_contact_duration(1e-12, 1, 1e12, 100) == min_contact_duration);
+  CHECK(hertz_contact_duration(1e6, 0.001, 1e3, 1e-9) == max_contact_duration);
+  CHECK(hertz_contact_duration(0.1, 0.02, 1e9, 0) == max_contact_duration);
   CHECK(effective_modulus(test::steel(), test::steel()) == doctest::Approx(200e9 / (2 * 0.91)));
 }
 
 TEST_CASE("the samples of a pulse add up to its impulse, wherever it starts and however it is cut") {
   CHECK(rc::check([] {
-    const HalfSine pulse{number(0, 0.01), number(shortest_contact, longest_contact)};
+    const HalfSine pulse{number(0, 0.01), number(min_contact_duration, max_contact_duration)};
     const double dt = 1.0 / 44'100;
     std::vector<float> samples(3000), pieces(3000);
     pulse.sample(0, dt, samples);
@@ -68,30 +68,30 @@ TEST_CASE("a pulse has the peak and the middle of a half-sine") {
 }
 
 TEST_CASE(
-    "what is new in a contact: a bounce is one blow, a weight at rest is silent, lifting it off is the "
-    "opposite of setting it down") {
+    "a bounce is one onset, a weight at rest is silent, and lifting it off is the opposite of setting it "
+    "down") {
   const Vec3 up = Vec3::UnitY();
-  ContactForce bounce;
-  CHECK(bounce.step(3 * up) == 3 * up);
-  CHECK(bounce.step(Vec3::Zero()) == Vec3::Zero());
-  CHECK(bounce.step(Vec3::Zero()) == Vec3::Zero());
+  ImpulseSplitter bounce;
+  CHECK(bounce.split(3 * up) == 3 * up);
+  CHECK(bounce.split(Vec3::Zero()) == Vec3::Zero());
+  CHECK(bounce.split(Vec3::Zero()) == Vec3::Zero());
 
-  ContactForce weight;
-  CHECK(weight.step(2 * up) == 2 * up);
-  for (int k = 0; k < 100; ++k) CHECK(weight.step((2 + 1e-4 * (k % 3)) * up) == Vec3::Zero());
-  CHECK((weight.step(Vec3::Zero()) + 2 * up).norm() < 1e-3);
+  ImpulseSplitter weight;
+  CHECK(weight.split(2 * up) == 2 * up);
+  for (int k = 0; k < 100; ++k) CHECK(weight.split((2 + 1e-4 * (k % 3)) * up) == Vec3::Zero());
+  CHECK((weight.split(Vec3::Zero()) + 2 * up).norm() < 1e-3);
 
-  ContactForce landing;  // a hard blow, then at rest
-  CHECK(landing.step(10 * up) == 10 * up);
-  for (int k = 0; k < 10; ++k) CHECK(landing.step(up) == Vec3::Zero());
+  ImpulseSplitter landing;  // a hard blow, then at rest
+  CHECK(landing.split(10 * up) == 10 * up);
+  for (int k = 0; k < 10; ++k) CHECK(landing.split(up) == Vec3::Zero());
 }
 
-TEST_CASE("what is new in a contact is linear") {
+TEST_CASE("onsets scale with the impulses") {
   CHECK(rc::check([] {
-    ContactForce one, three;
+    ImpulseSplitter one, three;
     for (int k = 0; k < 20; ++k) {
       const Vec3 impulse = *rc::gen::inRange(0, 4) == 0 ? Vec3(Vec3::Zero()) : vector(1);
-      RC_ASSERT((three.step(3 * impulse) - 3 * one.step(impulse)).norm() < 1e-9);
+      RC_ASSERT((three.split(3 * impulse) - 3 * one.split(impulse)).norm() < 1e-9);
     }
   }));
 }
@@ -145,7 +145,7 @@ TEST_CASE("micro noise falls off with the material's spectral slope above one ov
   }
 }
 
-TEST_CASE("the mean over a way is the mean of the noise, and a long way has little left") {
+TEST_CASE("the mean over a distance is the mean of the noise, and a long distance averages it out") {
   const MicroNoise noise({1e-5, 1e-4, -2.2}, 4);
   const double h = noise.spacing();
   for (const double length : {1e-4, 0.02, 0.7, 3.3, 47.0}) {

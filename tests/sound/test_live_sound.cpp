@@ -8,8 +8,9 @@
 #include "sound/audio/devices.h"
 #include "sound/live_sound.h"
 #include "tests/count_allocations.h"
+#include "tests/sound/clock_device.h"
 #include "tests/sound/scenes.h"
-#include "tests/sound/test_clock_device.h"
+#include "tests/sound/clock_device.h"
 
 using namespace intaglio;
 using namespace intaglio::sound;
@@ -19,7 +20,7 @@ using test::step;
 
 namespace {
 
-// A source that counts.
+// A source that counts its calls.
 struct Ramp : AudioSource {
   std::atomic<int> calls{0};
   float next = 0;
@@ -34,7 +35,7 @@ double peak_time(const std::vector<float>& stereo) {
   return double(std::max_element(stereo.begin(), stereo.end(), louder) - stereo.begin()) / 2 / 44'100;
 }
 
-// When anything is heard first.
+// Time of the first audible sample.
 double onset(const std::vector<float>& stereo) {
   const auto first = std::find_if(stereo.begin(), stereo.end(), [](float x) { return x != 0; });
   return double(first - stereo.begin()) / 2 / 44'100;
@@ -42,7 +43,7 @@ double onset(const std::vector<float>& stereo) {
 
 }  // namespace
 
-TEST_CASE("a queue between two threads loses nothing, keeps the order, and refuses when full") {
+TEST_CASE("a queue between two threads loses nothing, keeps the order, and rejects when full") {
   SpscQueue<int> queue(16);
   int refused = 0;
   std::thread producer([&] {
@@ -71,8 +72,7 @@ TEST_CASE("a queue between two threads loses nothing, keeps the order, and refus
   CHECK(more < 16);
 }
 
-TEST_CASE(
-    "a test-clock device renders what it is told, in buffers of its size, only between start and stop") {
+TEST_CASE("a test-clock device renders on request, in buffers of its size, only between start and stop") {
   TestClockDevice device(44'100, 100);
   Ramp ramp;
   device.turn(50);
@@ -135,7 +135,7 @@ TEST_CASE("an event is heard one delay after it happened, whatever the buffer") 
     CAPTURE(buffer);
     CHECK(onset(device.played()) - happened > 0);
     CHECK(onset(device.played()) - happened < 0.01 + 2 * step + double(buffer) / 44'100);
-    const LiveStatus status = live.status();
+    const LiveSoundStatus status = live.status();
     CHECK(status.events == 1);
     CHECK(status.dropped_events == 0);
     CHECK(status.synthesizer.late_events == 0);
@@ -143,7 +143,7 @@ TEST_CASE("an event is heard one delay after it happened, whatever the buffer") 
   }
 }
 
-TEST_CASE("events that come before physics has told its time wait for it") {
+TEST_CASE("events pushed before the first advance wait for it") {
   TestClockDevice device(44'100, 64);
   LiveSound live({}, bodies(), {.delay = 0.01});
   REQUIRE(device.start(live));
@@ -158,7 +158,7 @@ TEST_CASE("events that come before physics has told its time wait for it") {
   CHECK(onset(device.played()) > 0.1);
 }
 
-TEST_CASE("a step's contacts are heard together: those of a step that is not over wait for the rest of it") {
+TEST_CASE("a step's contacts are heard together: those of an incomplete step wait for the rest of it") {
   const auto played = [](bool split) {
     TestClockDevice device(44'100, 64);
     LiveSound live({}, bodies(), {.delay = 0.01});
@@ -192,9 +192,9 @@ TEST_CASE("when physics stops for a while, what comes after is not late, and the
     }
   };
   run(1, 200);
-  CHECK(live.status().waits == 0);
+  CHECK(live.status().stalls == 0);
   device.turn(44'100);  // a pause
-  CHECK(live.status().waits > 600);
+  CHECK(live.status().stalls > 600);
   run(200, 1000);
   CHECK(live.status().synthesizer.late_events == 0);
   CHECK(live.status().dropped_events == 0);
@@ -202,7 +202,7 @@ TEST_CASE("when physics stops for a while, what comes after is not late, and the
 }
 
 TEST_CASE("a queue that overflows is counted; rendering live does not allocate") {
-  LiveSound live({}, bodies(), {.queue = 64});
+  LiveSound live({}, bodies(), {.queue_capacity = 64});
   for (int k = 1; k < 500; ++k) live.push(contact(k, 0.001));
   live.advance(1);
   std::vector<float> out(2048);
@@ -244,12 +244,12 @@ TEST_CASE("ears: loudness falls with distance, sides are mirror images, energy d
     CHECK(0.5 * (right.left * right.left + right.right * right.right) ==
           doctest::Approx(1 / (distance * distance)).epsilon(1e-5));
   }
-  // At the ear itself, and far away, all stays finite.
+  // At the ear itself, and far away, everything stays finite.
   CHECK(ear_gains(listener, listener.position).left == doctest::Approx(10));
   CHECK(ear_gains(listener, Vec3::Constant(1e300)).left == 0);
 }
 
-TEST_CASE("stereo does not depend on how it is cut, and a source ahead is the mono sound over distance") {
+TEST_CASE("stereo does not depend on how it is divided, and a source ahead is the mono sound over distance") {
   const auto play = [](std::size_t block) {
     Synthesizer synthesizer({}, bodies());
     for (const ContactEvent& event : test::tumble()) synthesizer.push(event);

@@ -70,7 +70,7 @@ TEST_CASE("Eq. 1.4: p_n is zero on a flat map and grows linearly with speed and 
 
 TEST_CASE("Eq. 1.4 stays finite where the map is vertical") {
   const Vec3 p = normal_momentum(1, Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitX());
-  CHECK(p.norm() == doctest::Approx(1 / least_normal_cosine));
+  CHECK(p.norm() == doctest::Approx(1 / min_normal_cosine));
 }
 
 TEST_CASE("a path over a flat map gives no impulse; over any map linear in speed and mass") {
@@ -90,7 +90,7 @@ TEST_CASE("a path over a flat map gives no impulse; over any map linear in speed
   }));
 }
 
-TEST_CASE("a path with more crossings than room says so") {
+TEST_CASE("a path with more crossings than there is room for reports so") {
   std::vector<MesoImpulse> room(5);
   const MesoWalk result = walk_texels(bumps(), {0, 0}, {0.9, 0.9}, 1, Vec2::UnitX(), room);
   CHECK(result.count == 5);

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double rate = 44'100;
 
-// What the bank gives for the drive `impulse` from sample 0 on, all gains 1.
+// The bank's output for the drive `impulse` from sample 0 on, all gains 1.
 std::vector<float> response(ModalBank& bank, std::span<const float> impulse, std::size_t samples) {
   std::vector<float> gains(std::size_t(bank.padded_modes()), 0.0f), out(samples, 0.0f);
   std::fill_n(gains.begin(), bank.modes(), 1.0f);
@@ -99,7 +99,7 @@ TEST_CASE("pitch is right to a hundredth of a cent from 20 Hz to 10 kHz") {
   }
 }
 
-TEST_CASE("energy never rises without a drive, and silence in the end is exact") {
+TEST_CASE("energy never rises without a drive, and the final silence is exact") {
   ModalBank bank(*test::small_slab(), rate);
   const float blow = 0.1f;
   response(bank, std::span(&blow, 1), block_samples);
@@ -134,7 +134,7 @@ TEST_CASE("the bank is linear and time-invariant") {
   for (std::size_t n = 130; n < 1000; ++n) CHECK(std::abs(delayed[n] - x[n - 130]) < 1e-5);
 }
 
-TEST_CASE("modes beyond hearing's reach are dropped; a bank of none is silent") {
+TEST_CASE("modes above the audible range are dropped; an empty bank is silent") {
   CHECK(ModalBank(model_of({1000, 20'900, 21'000, 30'000}, {1, 1, 1, 1}), rate).modes() == 2);
   ModalBank none(model_of({}, {}), rate);
   std::array<float, 8> out{};

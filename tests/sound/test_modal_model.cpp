@@ -19,7 +19,7 @@ double distance_to(const Vec3& p, const ModalModel& model, const Triangle& t, co
   return (at - p).norm();
 }
 
-// By asking every triangle.
+// By a search of all triangles.
 double nearest_distance(const Vec3& p, const ModalModel& model) {
   double least = std::numeric_limits<double>::infinity();
   for (const Triangle& t : model.triangles) {
@@ -44,7 +44,7 @@ TEST_CASE("a baked model has the mass and area of its shape, and Rayleigh dampin
   }
 }
 
-TEST_CASE("overdamped modes are left out") {
+TEST_CASE("overdamped modes are dropped") {
   Material mud = *find_material("plastic");
   mud.rayleigh_beta = 1e-3;  // d = omega at omega = 2000
   const auto model = bake(box({1, 0.1, 1}, 4, 1, 4), mud, {"mud", {40, 20, 20'000}});
@@ -55,7 +55,7 @@ TEST_CASE("overdamped modes are left out") {
     CHECK(model->damping[std::size_t(m)] < model->angular_frequency[std::size_t(m)]);
 }
 
-TEST_CASE("the grid finds the nearest triangle, as asking all of them does") {
+TEST_CASE("the grid finds the nearest triangle, as a search of all of them does") {
   for (const auto& model : {test::small_ball(), test::small_slab()}) {
     Random random(3);
     Vec3 low = model->points[0], high = low;
@@ -120,7 +120,7 @@ TEST_CASE("gains are linear in the direction, exact at the points, and never fai
   CHECK(allocations() == before);
 }
 
-TEST_CASE("nonsense is refused with a reason") {
+TEST_CASE("invalid input is rejected with a reason") {
   const TetMesh mesh = box({1, 1, 1}, 1, 1, 1);
   Material material = test::steel();
   material.poisson_ratio = 0.5;
@@ -135,6 +135,6 @@ TEST_CASE("nonsense is refused with a reason") {
   for (Vec3& node : inverted.nodes) node.x() = -node.x();
   const auto refused = bake(inverted, test::steel());
   REQUIRE_FALSE(refused);
-  CHECK(refused.error().message().find("inside out") != std::string::npos);
+  CHECK(refused.error().message().find("inverted") != std::string::npos);
   CHECK_FALSE(bake(TetMesh{}, test::steel()));
 }

@@ -37,7 +37,7 @@ TEST_CASE("a model file cut off or changed anywhere is a model or one clear erro
   const auto whole = model_bytes(good);
   REQUIRE(parse_model(whole, "a.modes"));
   for (std::size_t size = 0; size < whole.size(); size += 3) {
-    // What may be missing without a trace is padding at the end.
+    // Only padding at the end may be missing without a trace.
     if (const auto cut = parse_model(std::span(whole).first(size), "a.modes"))
       CHECK(model_bytes(*cut) == whole);
   }
@@ -45,7 +45,7 @@ TEST_CASE("a model file cut off or changed anywhere is a model or one clear erro
   for (std::size_t k = 0; k < whole.size(); ++k) {
     for (const int change : {0x01, 0x80, 0xff}) {
       auto changed = whole;
-      changed[k] = static_cast<std::uint8_t>(changed[k] ^ change);
+      changed[k] = std::uint8_t(changed[k] ^ change);
       const auto read = parse_model(changed, "a.modes");
       if (read) {
         CHECK(read->modes() > 0);
@@ -57,7 +57,7 @@ TEST_CASE("a model file cut off or changed anywhere is a model or one clear erro
 }
 
 TEST_CASE("a model of another format version is refused, with what to do") {
-  // Version 1 had no such number: its place in the table says that it is absent.
+  // Version 1 had no such field: its entry in the table marks it as absent.
   const auto bytes = model_bytes(*test::small_ball());
   int found = 0;
   for (std::size_t k = 4; k + 4 < 200; ++k) {
@@ -65,14 +65,14 @@ TEST_CASE("a model of another format version is refused, with what to do") {
     if (changed[k] != 3 || changed[k + 1] != 0 || changed[k + 2] != 0 || changed[k + 3] != 0) continue;
     changed[k] = 1;
     const auto read = parse_model(changed, "old.modes");
-    if (read || read.error().message().find("is of format 1") == std::string::npos) continue;
+    if (read || read.error().message().find("has format version 1") == std::string::npos) continue;
     ++found;
     CHECK(read.error().message().find("bake it again") != std::string::npos);
   }
   CHECK(found == 1);
 }
 
-TEST_CASE("a body too stiff to ring is a model as well: no mode, but a mass and a click") {
+TEST_CASE("a body too stiff to ring is a model too: no mode, but a mass and a click") {
   const ModalModel silent = bake(ball(0.005, 1), test::steel(), {"bead", {20, 20, 20'000}}).value();
   CHECK(silent.modes() == 0);
   const auto back = parse_model(model_bytes(silent), "bead.modes");
@@ -83,15 +83,15 @@ TEST_CASE("a body too stiff to ring is a model as well: no mode, but a mass and 
 }
 
 TEST_CASE(
-    "shapes are of 16 bits: a 32,767th of each mode's largest, and rounding them again changes nothing") {
+    "shapes have 16 bits: a 32,767th of each mode's largest value, and quantising them again changes nothing") {
   ModalModel model = *test::small_slab();
   const std::vector<float> rounded = model.shapes;
-  round_shapes(model);
+  quantise_shapes(model);
   CHECK(model.shapes == rounded);
   Random random(1);
   for (float& x : model.shapes) x = float(random.uniform(-3, 3));
   const std::vector<float> exact = model.shapes;
-  round_shapes(model);
+  quantise_shapes(model);
   for (std::size_t k = 0; k < exact.size(); ++k) CHECK(std::abs(model.shapes[k] - exact[k]) <= 4.0f / 32768);
   const auto back = parse_model(model_bytes(model), "slab.modes");
   REQUIRE(back);

@@ -1,11 +1,16 @@
 #include <doctest/doctest.h>
+#include <fcntl.h>
 #include <sndfile.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <thread>
 
 #include "core/file.h"
+#include "sound/audio/devices.h"
 #include "sound/audio/wav.h"
 #include "sound/synthesizer.h"
 #include "tests/temporary_folder.h"
@@ -76,7 +81,7 @@ TEST_CASE("equal sounds are equal files, and PCM clips instead of wrapping") {
   CHECK(back[1] == doctest::Approx(-1));
 }
 
-TEST_CASE("what cannot be written is an error that names the file and leaves nothing behind") {
+TEST_CASE("a failed write is an error that names the file and leaves nothing behind") {
   const tests::TemporaryFolder folder;
   const std::vector<float> samples = wave();
   REQUIRE(write_file(folder.path / "file", std::string_view("in the way")));
@@ -116,4 +121,62 @@ TEST_CASE("pascals become full scale by one constant and a gain") {
   CHECK(out[3] <= 1);
   to_full_scale(pascals, out, {-20});
   CHECK(out[1] == doctest::Approx(-0.2 / full_scale_pascal));
+}
+
+namespace {
+
+std::pair<dev_t, ino_t> standard_error() {
+  struct stat state {};
+  CHECK(fstat(STDERR_FILENO, &state) == 0);
+  return {state.st_dev, state.st_ino};
+}
+
+// While one lives, standard error is this file.
+struct ErrorFile {
+  int saved = dup(STDERR_FILENO);
+  explicit ErrorFile(const fs::path& file) {
+    const int to = open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+    dup2(to, STDERR_FILENO);
+    close(to);
+  }
+  ~ErrorFile() {
+    dup2(saved, STDERR_FILENO);
+    close(saved);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("standard error is restored after it was silenced, also by two threads at once") {
+  const tests::TemporaryFolder folder;
+  const ErrorFile file(folder.path / "errors");
+  const auto before = standard_error();
+  {
+    const QuietStandardError quiet;
+    CHECK(standard_error() != before);
+  }
+  CHECK(standard_error() == before);
+  const auto silence = [] {
+    for (int k = 0; k < 1000; ++k) const QuietStandardError quiet;
+  };
+  std::thread one(silence), two(silence);
+  one.join();
+  two.join();
+  CHECK(standard_error() == before);
+}
+
+TEST_CASE("a standard error that is closed stays closed") {
+  const int error = dup(STDERR_FILENO), input = dup(STDIN_FILENO);
+  REQUIRE(error >= 0);
+  close(STDERR_FILENO);
+  close(STDIN_FILENO);  // a lower descriptor that is free, for a redirection to take
+  { const QuietStandardError quiet; }
+  const bool is_closed = fcntl(STDERR_FILENO, F_GETFD) == -1;
+  dup2(error, STDERR_FILENO);
+  close(error);
+  if (input >= 0) {
+    dup2(input, STDIN_FILENO);
+    close(input);
+  }
+  CHECK(is_closed);
 }

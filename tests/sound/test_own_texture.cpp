@@ -1,4 +1,5 @@
-// A body's own texture is heard as the floor's is: what counts is how fast the contact sweeps over it.
+// A body's own texture sounds as the floor's does: only the speed at which the contact sweeps over it
+// matters.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -23,7 +24,7 @@ std::vector<SoundBody> bodies_with(Where where) {
   return bodies;
 }
 
-// A contact that goes along x at 0.4 m/s over the texture, wherever that is, while both roll.
+// A contact that moves along x at 0.4 m/s over the texture, on either body, while both roll.
 ContactEvent rolling(int k, Where where) {
   ContactEvent event = contact(k, 0.002, 0.4, k == 1 ? ContactPhase::begin : ContactPhase::persist);
   event.spin = -event.v_t;
@@ -78,7 +79,7 @@ TEST_CASE("what is dragged does not sound of its own texture, what spins on the 
   CHECK(of(spinning) == of(roll(Where::ball)));
 }
 
-TEST_CASE("across the seam of a texture that goes round, the path runs on") {
+TEST_CASE("across the seam of a texture that wraps round its body, the path continues") {
   // 128 texels of the same few values: any whole number of their period later it is the same texture.
   const auto shifted = [](double by) {
     std::vector<ContactEvent> events;
@@ -93,7 +94,7 @@ TEST_CASE("across the seam of a texture that goes round, the path runs on") {
   const auto middle = heard(MesoSource::normal_map, Where::ball, shifted(0.2)),
              seam = heard(MesoSource::normal_map, Where::ball, shifted(0.95));
   CHECK(energy(seam) == doctest::Approx(energy(middle)).epsilon(0.3));
-  // Taken back by whole turns, it is the same path.
+  // Shifted back by whole turns, it is the same path.
   std::vector<ContactEvent> unwrapped = shifted(0.95);
   for (ContactEvent& event : unwrapped)
     if (event.own->uv.x() < 0.5) event.own->uv.x() += 1;

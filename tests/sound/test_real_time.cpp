@@ -1,5 +1,5 @@
-// What holds for sound as it is rendered: the same bits however it is cut and on every processor, no
-// allocation and no lock, and no click when a voice is stolen.
+// Laws of rendering: the same bits however the output is divided and on every processor, no allocation and no
+// lock, and no click when a voice is stolen.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -97,7 +97,7 @@ TEST_CASE("no allocation and no lock in a million blocks (fewer without INTAGLIO
   mutex.lock();
   mutex.unlock();
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-  CHECK(locks() == locks_before + 1);  // so the count can fail
+  CHECK(locks() == locks_before + 1);  // so that the count can fail
 #endif
   Synthesizer synthesizer({.meso = MesoSource::normal_map, .max_pulses = 64, .max_modes = 32},
                           test::bodies());
@@ -116,7 +116,7 @@ TEST_CASE("no allocation and no lock in a million blocks (fewer without INTAGLIO
     }
     synthesizer.render_stereo(out);
   }
-  // Both before either is told: to print a success takes a lock.
+  // Both are computed before either is reported: printing a success takes a lock.
   const std::size_t allocated = allocations() - allocations_before, locked = locks() - locks_after;
   CHECK(allocated == 0);
   CHECK(locked == 0);

@@ -1,4 +1,4 @@
-// Laws of what comes out in the end: pitch, decay, silence, in rendered audio.
+// Laws of rendered audio: pitch, decay, silence.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr double rate = 44'100;
 
-// A floor of one mode that a mute ball strikes at t = 0.1 s: what is heard, from the blow's end on.
+// The sound of a floor of one mode that a silent ball strikes at t = 0.1 s, from the end of the blow on.
 std::vector<float> struck(double hertz, double damping, double seconds) {
   std::vector<SoundBody> all = test::bodies();
   all[0].model = std::make_shared<ModalModel>(test::model_of({hertz}, {damping}));
@@ -54,7 +54,7 @@ TEST_CASE("rendered pitch is right within 1 cent from 20 Hz to 15 kHz") {
   for (const double hertz : {20.0, 31.5, 110.0, 440.0, 997.0, 4000.0, 10'000.0, 15'000.0}) {
     const double d = 0.5, exact = std::sqrt(std::pow(tau * hertz, 2) - d * d) / tau;
     const std::vector<float> x = struck(hertz, d, 2);
-    // The phase turns by 2 pi f times the way between two stretches.
+    // The phase advances by 2 pi f times the time between two stretches.
     const std::size_t length = 22'050, apart = 44'100;
     const auto a = tone(std::span(x).subspan(0, length), exact, d);
     const auto b = tone(std::span(x).subspan(apart, length), exact, d) *
@@ -105,7 +105,7 @@ TEST_CASE("an impact is not heard as a slide: a bounce with speed along the surf
   }
 }
 
-TEST_CASE("no drone after sleep: once its events stop, a rolling body is silent as soon as it has rung out") {
+TEST_CASE("no buzz after sleep: once its events stop, a rolling body is silent as soon as it has rung out") {
   for (const MesoSource meso : {MesoSource::engine_impulses, MesoSource::normal_map, MesoSource::height}) {
     Synthesizer synthesizer({.meso = meso}, test::bodies());
     for (int k = 1; k < 480; ++k) {

@@ -32,7 +32,7 @@ double rms(std::span<const float> x) {
 std::vector<float> steady(Rubbing rubbing, ContactMotion motion, double force = 2) {
   std::vector<float> out(44'100);
   motion.force = force;
-  rubbing.touch(0, 0, motion);
+  rubbing.begin(0, 0, motion);
   const auto start = motion.relief;
   std::size_t done = 0;
   for (int k = 0; k < 480; ++k) {
@@ -58,7 +58,7 @@ const MicroNoise& coarse() {
 
 Rubbing rough(double level_body, double level_other) {
   Rubbing rubbing;
-  rubbing.meet({{{&fine(), level_body, 0}, {&coarse(), level_other, 0}}}, 1);
+  rubbing.reset({{{&fine(), level_body, 0}, {&coarse(), level_other, 0}}}, 1);
   return rubbing;
 }
 
@@ -96,14 +96,14 @@ TEST_CASE("a dragged body sweeps over the other only, a rolling one over both wi
   CHECK(spinning.slip == doctest::Approx(0.5));
 }
 
-TEST_CASE("sound goes over from sliding to rolling without a jump") {
+TEST_CASE("sound changes from sliding to rolling without a jump") {
   CHECK(scraped_share(1, 1) == 1);
   CHECK(scraped_share(1, 0) == doctest::Approx(0.25));
   CHECK(scraped_share(0, 1) == 0);
   const Vec3 v(0.4, 0, 0);
   double before = 0, dragged = 0;
   for (int k = 0; k <= 40; ++k) {
-    // What bodies answer to: not what does not change.
+    // Only changes excite bodies: the mean does not count.
     std::vector<float> x = steady(rough(1, 1), contact_motion(v, -k / 40.0 * v));
     std::adjacent_difference(x.begin(), x.end(), x.begin());
     const double loudness = rms(x);
@@ -125,9 +125,9 @@ TEST_CASE("each surface sounds by its own roughness where it is swept") {
   CHECK(both == doctest::Approx(std::hypot(one, other)).epsilon(0.1));
 }
 
-TEST_CASE("micro noise is linear in the force, and its pitch goes with the speed") {
+TEST_CASE("micro noise is linear in the force, and its pitch follows the speed") {
   const auto pitch = [](double speed) {
-    // Of noise through nothing: mean frequency by zero crossings.
+    // Mean frequency of the noise itself, by zero crossings.
     const std::vector<float> x = steady(rough(0, 1), contact_motion({speed, 0, 0}, Vec3::Zero()));
     int crossings = 0;
     for (std::size_t k = 1; k < x.size(); ++k) crossings += (x[k] > 0) != (x[k - 1] > 0);
@@ -139,23 +139,23 @@ TEST_CASE("micro noise is linear in the force, and its pitch goes with the speed
         doctest::Approx(3 * rms(steady(rough(0, 1), motion, 2))).epsilon(1e-4));
 }
 
-TEST_CASE("no force, no motion, no contact: nothing") {
+TEST_CASE("without force, motion or contact there is no noise") {
   std::array<float, 64> out;
   Rubbing rubbing = rough(1, 1);
   CHECK_FALSE(rubbing.sample(0, 1 / rate, out));
   ContactMotion still;
   still.force = 5;
-  rubbing.touch(0, 0.01, still);
+  rubbing.begin(0, 0.01, still);
   rubbing.step(0.01, 0.02, still, {true, true});
   CHECK_FALSE(rubbing.sample(441, 1 / rate, out));
   ContactMotion moving = contact_motion({1, 0, 0}, Vec3::Zero());
   moving.force = 5;
   rubbing.step(0.02, 0.03, moving, {true, true});
   CHECK(rubbing.sample(1000, 1 / rate, out));
-  rubbing.part();
+  rubbing.release();
   CHECK_FALSE(rubbing.sample(1100, 1 / rate, out));
-  // After its last step it fades to nothing within 30 ms.
-  rubbing.touch(0, 0.01, moving);
+  // After its last step it fades to zero within 30 ms.
+  rubbing.begin(0, 0.01, moving);
   rubbing.step(0.01, 0.02, moving, {true, true});
   CHECK(rubbing.sample(std::int64_t(0.0499 * rate), 1 / rate, out));
   CHECK(rms(std::span(out).last(32)) == 0);
@@ -165,7 +165,7 @@ TEST_CASE("no force, no motion, no contact: nothing") {
 TEST_CASE("relief by height: a sine of v / lambda whose impulses are m times the change of climb") {
   const surface::Surface surface = waves(50);
   Rubbing rubbing;
-  rubbing.meet({{{&fine(), 0, 0}, {&fine(), 0, 0}}}, 0.02);
+  rubbing.reset({{{&fine(), 0, 0}, {&fine(), 0, 0}}}, 0.02);
   ContactMotion motion = contact_motion({0.4, 0, 0}, Vec3::Zero());
   motion.relief[1] = {&surface, Vec2::Zero(), {0.4, 0}};
   const std::vector<float> out = steady(rubbing, motion, 50);
@@ -179,7 +179,7 @@ TEST_CASE("relief by height: a sine of v / lambda whose impulses are m times the
     im += out[k] * std::sin(tau * f * double(k) / rate);
   }
   CHECK(2 * std::hypot(re, im) / double(out.size()) == doctest::Approx(amplitude).epsilon(0.02));
-  // A contact cannot pull: held down by next to nothing, it is never pushed upwards by more than that.
+  // A contact cannot pull: held down by almost nothing, it is never pushed upwards by more than that.
   const std::vector<float> light = steady(rubbing, motion, 1e-4);
   CHECK(*std::min_element(light.begin(), light.end()) >= -1.001e-4f / float(rate));
 }

@@ -35,7 +35,7 @@ TEST_CASE("a scaled model is the model of the scaled mesh") {
   }
 }
 
-TEST_CASE("modes that would no longer ring are left out") {
+TEST_CASE("modes that would no longer ring are dropped") {
   Material dull = test::steel();
   dull.rayleigh_alpha = 8000;
   const ModalModel model = bake(box({0.2, 0.02, 0.1}, 6, 1, 3), dull, {"box", {10, 20, 60'000}}).value();
@@ -46,8 +46,7 @@ TEST_CASE("modes that would no longer ring are left out") {
     CHECK(large.damping[std::size_t(m)] < large.angular_frequency[std::size_t(m)]);
 }
 
-TEST_CASE(
-    "scaled by 1 a merged model is as loud as it was: it has the allowance of all that it was merged from") {
+TEST_CASE("scaled by 1 a merged model is as loud as before: it keeps the limit of all its parts") {
   ModalModel merged =
       bake(box({0.3, 0.01, 0.3}, 8, 1, 8), *find_material("ceramic"), {"plate", {40, 20, 20'000}}).value();
   merge_modes(merged, 0.5);

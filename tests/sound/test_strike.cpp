@@ -27,7 +27,7 @@ std::vector<float> play(const Strike& strike) {
 
 }  // namespace
 
-TEST_CASE("a strike is on the surface, into it, and gives what the mallet has") {
+TEST_CASE("a strike is on the surface, into it, and has the mallet's impulse") {
   const auto model = test::small_slab();
   Strike strike;
   strike.at = Vec3(0.1, 5, 0.05);
@@ -58,7 +58,7 @@ TEST_CASE("a strike sounds when it should; at a lively point more modes answer t
   CHECK(answering(default_strike_point(*model)) > answering({0, 0.015, 0}));
 }
 
-TEST_CASE("struck where nobody says, a plate answers in every mode, however it lies") {
+TEST_CASE("at the default strike point a plate answers in every mode, whatever its orientation") {
   for (int across = 0; across < 3; ++across) {
     Vec3 size = Vec3::Constant(0.3);
     size[across] = 0.01;

@@ -64,7 +64,7 @@ TEST_CASE("the same events give the same sound, however rendering is cut and how
     CHECK(hash == hash_of(play(options, tumble(), 1, 64)));
     CHECK(hash == hash_of(play(options, tumble(), 1, 1000)));
     CHECK(hash == hash_of(play(options, tumble(), 1, 7)));
-    // As a live session does: only what the next block needs is known.
+    // As in a live session: only the events of the next block are known.
     Synthesizer live(options, bodies());
     std::vector<float> out(44'100);
     const std::vector<ContactEvent> events = tumble();
@@ -103,13 +103,13 @@ TEST_CASE("pairs may report at different rates: a long step does not wait behind
   };
   const auto by_end = in_order_of([](const ContactEvent& e) { return e.time; });
   const auto by_start = in_order_of([](const ContactEvent& e) { return e.time - e.duration; });
-  // Equal but for the order in which floats are added.
+  // Equal except for the order in which floats are added.
   float worst = 0;
   for (std::size_t i = 0; i < by_end.size(); ++i) worst = std::max(worst, std::abs(by_end[i] - by_start[i]));
   CHECK(worst < 1e-5 * *std::max_element(by_end.begin(), by_end.end()));
 }
 
-TEST_CASE("nothing happening is exact silence, and so is a body at rest") {
+TEST_CASE("without events there is exact silence, and so there is for a body at rest") {
   for (const MesoSource meso : both_modes) {
     Synthesizer synthesizer({.meso = meso}, bodies());
     CHECK(all_zero(play(synthesizer, {}, 0.1)));
@@ -135,7 +135,7 @@ TEST_CASE("a blow sounds at once, when it should, and dies away to exact silence
   CHECK(synthesizer.is_silent());
 }
 
-TEST_CASE("a bounce is one blow: no second one when the contact ends, said or unsaid") {
+TEST_CASE("a bounce is one blow: no second one when the contact ends, reported or not") {
   const std::vector<float> unsaid = play({}, {contact(10, 0.05, 0, ContactPhase::begin)}, 0.5);
   const std::vector<float> said =
       play({}, {contact(10, 0.05, 0, ContactPhase::begin), contact(11, 0, 0, ContactPhase::end)}, 0.5);
@@ -163,9 +163,9 @@ TEST_CASE("a lift-off strikes once; a body that falls asleep in contact does not
   CHECK(all_zero(std::span(asleep).last(4410)));
 }
 
-TEST_CASE("twice the drive is twice the sound") {
+TEST_CASE("twice the drive gives twice the sound") {
   // Twice the body as well, so that speeds and with them contact times stay.
-  // A click goes with the speed alone: bodies without area have none.
+  // A click depends on the speed alone: bodies without area have none.
   const auto without_click = [] {
     std::vector<SoundBody> all = bodies();
     auto model = std::make_shared<ModalModel>(*all[1].model);
@@ -178,7 +178,7 @@ TEST_CASE("twice the drive is twice the sound") {
   std::vector<SoundBody> heavy = without_click();
   const double same_time = heavy[1].mass;
   heavy[1].mass *= 2;
-  // Hertz: tau^5 goes with m^2 / (R v), and v = J / m stays.
+  // Hertz: tau^5 scales as m^2 / (R v), and v = J / m is unchanged.
   heavy[1].radius_of_curvature *= std::pow(heavy[1].mass / same_time, 2);
   Synthesizer synthesizer({}, heavy);
   const std::vector<float> twice = play(synthesizer, tumble(2), 1);
@@ -190,7 +190,7 @@ TEST_CASE("twice the drive is twice the sound") {
   CHECK(worst < 1e-4 * peak);
 }
 
-TEST_CASE("a harder blow is brighter: more of it is high") {
+TEST_CASE("a harder blow is brighter: more of its energy lies high") {
   const auto brightness = [](double impulse) {
     const std::vector<float> out = play({}, {contact(10, impulse, 0, ContactPhase::begin)}, 0.5);
     std::vector<float> difference(out.size() - 1);
@@ -238,7 +238,7 @@ TEST_CASE("rendering does not allocate, whatever happens") {
   }
 }
 
-TEST_CASE("limits are kept and counted: pulses, path length, late events, strangers") {
+TEST_CASE("limits hold and are counted: pulses, path length, late events, unknown bodies") {
   Synthesizer crowded({.max_pulses = 2}, bodies());
   std::vector<ContactEvent> events;
   for (int k = 0; k < 8; ++k) {

@@ -65,12 +65,12 @@ void AudioOutput::stop() {
 }
 AudioStatus AudioOutput::status() const {
   const sound::AudioStatus from = impl_->opened.device->status();
-  return {from.buffers, from.underruns, from.latency, from.busiest, from.error};
+  return {from.buffers, from.underruns, from.latency, from.peak_load, from.error};
 }
 
 std::vector<std::string> audio_outputs() {
   std::vector<std::string> names;
-  for (const sound::SoundCard& card : sound::sound_cards()) names.push_back(card.system + ": " + card.name);
+  for (const sound::SoundCard& card : sound::sound_cards()) names.push_back(card.api + ": " + card.name);
   return names;
 }
 

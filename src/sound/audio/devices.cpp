@@ -13,11 +13,14 @@
 
 namespace intaglio::sound {
 
-Result<OpenedDevice> open_audio_device(const AudioRequest& request) {
+Result<OpenedDevice> open_audio_device(const AudioDeviceOptions& request) {
   if (request.sample_rate < 8000 || request.sample_rate > 192'000)
-    return fail("sound", fmt::format("a sample rate of {} Hz", request.sample_rate), "44100 is usual");
+    return fail("sound",
+                fmt::format("sample rate {} Hz is out of range (8000 to 192000)", request.sample_rate),
+                "44100 is usual");
   if (request.buffer_frames < 16 || request.buffer_frames > 8192)
-    return fail("sound", fmt::format("a buffer of {} frames", request.buffer_frames), "give 16 to 8192");
+    return fail("sound", fmt::format("buffer size {} frames is out of range", request.buffer_frames),
+                "give 16 to 8192");
   const auto null = [&] { return std::make_unique<NullDevice>(request.sample_rate, request.buffer_frames); };
   if (request.device == "null") return OpenedDevice{null(), ""};
   const bool is_default = request.device == "default";
@@ -47,15 +50,15 @@ void NullDevice::stop() {
 }
 
 void NullDevice::play(AudioSource& source) {
-  using Clock = std::chrono::steady_clock;
+  using SteadyClock = std::chrono::steady_clock;
   const auto period = std::chrono::nanoseconds(std::int64_t{1'000'000'000} * buffer_frames_ / sample_rate_);
-  auto due = Clock::now();
+  auto due = SteadyClock::now();
   std::unique_lock lock(mutex_);
   while (!is_stopping_) {
     lock.unlock();
-    const auto late = Clock::now() - due;
+    const auto late = SteadyClock::now() - due;
     if (late > period) {
-      meter_.count_underruns(static_cast<std::uint64_t>(late / period));
+      meter_.count_underruns(std::uint64_t(late / period));
       due += late / period * period;
     }
     meter_.render(source, buffer_, sample_rate_);
@@ -67,44 +70,25 @@ void NullDevice::play(AudioSource& source) {
 
 namespace {
 
-constexpr std::array systems{RtAudio::LINUX_PULSE, RtAudio::LINUX_ALSA, RtAudio::UNIX_JACK};
+constexpr std::array apis{RtAudio::LINUX_PULSE, RtAudio::LINUX_ALSA, RtAudio::UNIX_JACK};
 
-// ALSA and JACK report every device that is not there to standard error, and ask no one.
-class QuietStandardError {
- public:
-  QuietStandardError() : saved_(dup(STDERR_FILENO)) {
-    std::fflush(stderr);
-    const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
-    if (nowhere >= 0) dup2(nowhere, STDERR_FILENO);
-    if (nowhere >= 0) close(nowhere);
-  }
-  ~QuietStandardError() {
-    std::fflush(stderr);
-    if (saved_ >= 0) dup2(saved_, STDERR_FILENO);
-    if (saved_ >= 0) close(saved_);
-  }
-  QuietStandardError(const QuietStandardError&) = delete;
-  QuietStandardError& operator=(const QuietStandardError&) = delete;
-
- private:
-  int saved_;
-};
+std::mutex standard_error_mutex;
 
 // Calls visit(RtAudio&, device number, DeviceInfo) for every device that can play, until it returns true.
 template <class Visit>
-void visit_cards(const Visit& visit) {
-  for (const RtAudio::Api system : systems) {
+void for_each_card(const Visit& visit) {
+  for (const RtAudio::Api api : apis) {
     try {
-      auto audio = std::make_unique<RtAudio>(system);
+      auto audio = std::make_unique<RtAudio>(api);
       audio->showWarnings(false);
-      if (audio->getCurrentApi() != system) continue;
+      if (audio->getCurrentApi() != api) continue;
       const unsigned count = audio->getDeviceCount();
       for (unsigned k = 0; k < count; ++k) {
         const RtAudio::DeviceInfo info = audio->getDeviceInfo(k);
         if (info.probed && info.outputChannels > 0 && visit(audio, k, info)) return;
       }
     } catch (const RtAudioError&) {
-      // A system that is not there, or a card that went away meanwhile: the next one.
+      // API unavailable, or the card was unplugged: try the next.
     }
   }
 }
@@ -127,12 +111,12 @@ class RtAudioDevice : public AudioDevice {
     options.flags = RTAUDIO_MINIMIZE_LATENCY | RTAUDIO_SCHEDULE_REALTIME;
     options.numberOfBuffers = 2;
     options.streamName = "intaglio";
-    auto frames = static_cast<unsigned>(buffer_frames);
+    auto frames = unsigned(buffer_frames);
     try {
-      audio_->openStream(&output, nullptr, RTAUDIO_FLOAT32, static_cast<unsigned>(sample_rate), &frames,
-                         &pull, this, &options, [](RtAudioError::Type, const std::string&) {});
-      buffer_frames_ = static_cast<int>(frames);
-      sample_rate_ = static_cast<int>(audio_->getStreamSampleRate());
+      audio_->openStream(&output, nullptr, RTAUDIO_FLOAT32, unsigned(sample_rate), &frames, &pull, this,
+                         &options, [](RtAudioError::Type, const std::string&) {});
+      buffer_frames_ = int(frames);
+      sample_rate_ = int(audio_->getStreamSampleRate());
       buffers_ = std::max(1u, options.numberOfBuffers);
     } catch (const RtAudioError& error) {
       return fail(name_, "cannot be opened: " + error.getMessage(),
@@ -163,7 +147,7 @@ class RtAudioDevice : public AudioDevice {
     try {
       if (audio_->isStreamRunning()) audio_->stopStream();
     } catch (const RtAudioError&) {
-      // It has stopped by itself.
+      // Already stopped.
     }
     source_ = nullptr;
   }
@@ -194,10 +178,27 @@ class RtAudioDevice : public AudioDevice {
 
 }  // namespace
 
+QuietStandardError::QuietStandardError()
+    : lock_(standard_error_mutex), saved_(fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 0)) {
+  if (saved_ < 0) return;  // what cannot be restored is left alone
+  std::fflush(stderr);
+  const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  if (nowhere < 0) return;
+  ::dup2(nowhere, STDERR_FILENO);  // Process-wide: the destructor restores it
+  ::close(nowhere);
+}
+
+QuietStandardError::~QuietStandardError() {
+  if (saved_ < 0) return;
+  std::fflush(stderr);
+  ::dup2(saved_, STDERR_FILENO);  // Process-wide: as the host had it
+  ::close(saved_);
+}
+
 std::vector<SoundCard> sound_cards() {
   const QuietStandardError quiet;
   std::vector<SoundCard> cards;
-  visit_cards([&](std::unique_ptr<RtAudio>& audio, unsigned, const RtAudio::DeviceInfo& info) {
+  for_each_card([&](std::unique_ptr<RtAudio>& audio, unsigned, const RtAudio::DeviceInfo& info) {
     cards.push_back({RtAudio::getApiName(audio->getCurrentApi()), info.name, int(info.outputChannels),
                      info.isDefaultOutput, std::vector<int>(info.sampleRates.begin(), info.sampleRates.end()),
                      int(info.preferredSampleRate)});
@@ -211,7 +212,7 @@ Result<std::unique_ptr<AudioDevice>> open_sound_card(const std::string& name, in
   const QuietStandardError quiet;
   std::unique_ptr<RtAudioDevice> device;
   int seen = 0;
-  visit_cards([&](std::unique_ptr<RtAudio>& audio, unsigned k, const RtAudio::DeviceInfo& info) {
+  for_each_card([&](std::unique_ptr<RtAudio>& audio, unsigned k, const RtAudio::DeviceInfo& info) {
     ++seen;
     const std::string full = full_name(*audio, info);
     const bool is_wanted = name.empty() ? info.isDefaultOutput : full.find(name) != std::string::npos;
@@ -222,7 +223,7 @@ Result<std::unique_ptr<AudioDevice>> open_sound_card(const std::string& name, in
   if (!device) {
     if (seen == 0) {
       return fail("sound", "no audio device on this machine",
-                  "\"null\" plays to nobody, in real time; a WAV file needs no device");
+                  "use \"null\" to discard the sound, or write a WAV file");
     }
     const std::string what =
         name.empty() ? "no default audio device" : fmt::format("no audio device \"{}\"", name);

@@ -1,4 +1,4 @@
-// Chooses an audio device by name.
+// Audio output: chooses a device by name, and lists the sound cards.
 #pragma once
 
 #include <condition_variable>
@@ -12,9 +12,10 @@
 
 namespace intaglio::sound {
 
-struct AudioRequest {
-  // "default": the system's, or the null device, with a note, where there is none. "null": nobody hears it.
-  // Else a part of a name that `intaglio sound devices` lists; such a one that is missing is an error.
+struct AudioDeviceOptions {
+  // "default": the system's, or the null device, with a note, if there is none. "null": discards the sound.
+  // Otherwise part of a name that `intaglio sound devices` lists; if there is no such device, that is an
+  // error.
   std::string device = "default";
   int sample_rate = 44'100;  // Hz
   int buffer_frames = 256;   // 5.8 ms
@@ -22,15 +23,16 @@ struct AudioRequest {
 
 struct OpenedDevice {
   std::unique_ptr<AudioDevice> device;
-  std::string note;  // why it is not what was hoped for; empty when all is well
+  std::string note;  // why the fallback was used, else empty
 };
 
-Result<OpenedDevice> open_audio_device(const AudioRequest& request = {});
+Result<OpenedDevice> open_audio_device(const AudioDeviceOptions& request = {});
 
-// An audio device that plays to nobody, in real time: for machines without a sound card, and for measuring.
+// An audio device that discards its samples in real time: for machines without a sound card, and for
+// measuring.
 //
-// A thread renders a buffer each buffer's time, by the steady clock. A buffer that is begun more than its own
-// time late counts as an underrun; the clock goes on from there.
+// A thread renders one buffer per buffer period, by the steady clock. A buffer started more than one period
+// late counts as an underrun; the clock goes on from there.
 
 class NullDevice : public AudioDevice {
  public:
@@ -50,7 +52,7 @@ class NullDevice : public AudioDevice {
   int sample_rate_, buffer_frames_;
   std::vector<float> buffer_;
   RenderMeter meter_;
-  std::mutex mutex_;  // of is_stopping_; not held while rendering
+  std::mutex mutex_;  // guards is_stopping_; not held while rendering
   std::condition_variable wake_;
   bool is_stopping_ = false;
   std::thread thread_;
@@ -58,13 +60,13 @@ class NullDevice : public AudioDevice {
 
 // The sound cards of this machine, through RtAudio: PulseAudio or PipeWire, ALSA, JACK, in that order.
 //
-// Opening and listing take milliseconds and may print nothing: what the systems below say on standard error
-// meanwhile is swallowed (process-wide, so do it before other threads report errors there). The device may
-// choose another buffer size than asked for. render() runs in the system's audio thread, with real-time
-// scheduling where the user may have it.
+// Opening and listing take milliseconds and print nothing: the process's standard error is redirected
+// meanwhile, one caller at a time, and then restored, so do it before other threads report errors there. The
+// device may choose another buffer size than requested. render() runs in the system's audio thread, with
+// real-time scheduling where the user may have it.
 
 struct SoundCard {
-  std::string system;  // "pulse", "alsa", "jack"
+  std::string api;  // "pulse", "alsa", "jack"
   std::string name;
   int channels = 0;
   bool is_default = false;
@@ -72,11 +74,25 @@ struct SoundCard {
   int preferred_rate = 0;         // Hz, 0: unknown
 };
 
-// All that can play.
+// All cards with an output.
 std::vector<SoundCard> sound_cards();
 
-// Opens the first card whose "system: name" contains `name`, the default one when that is empty.
+// Opens the first card whose "api: name" contains `name`, the default one if that is empty.
 Result<std::unique_ptr<AudioDevice>> open_sound_card(const std::string& name, int sample_rate,
                                                      int buffer_frames);
+
+// While one lives, what is written to standard error is discarded: ALSA and JACK report there every device
+// that does not exist. A second one waits for the first. Does nothing if standard error is closed.
+class QuietStandardError {
+ public:
+  QuietStandardError();
+  ~QuietStandardError();
+  QuietStandardError(const QuietStandardError&) = delete;
+  QuietStandardError& operator=(const QuietStandardError&) = delete;
+
+ private:
+  std::unique_lock<std::mutex> lock_;
+  int saved_;  // a copy of the descriptor; -1: nothing was redirected
+};
 
 }  // namespace intaglio::sound

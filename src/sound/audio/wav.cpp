@@ -28,16 +28,16 @@ int file_format(WavFormat format) {
   return SF_FORMAT_WAV | SF_FORMAT_PCM_24;
 }
 
-// What went wrong, or nothing.
+// Returns an error text, or an empty string.
 std::string write_all(const fs::path& temporary, std::span<const float> samples, SF_INFO info) {
   SNDFILE* const file = sf_open(temporary.c_str(), SFM_WRITE, &info);
   if (!file) return sf_strerror(nullptr);
   sf_command(file, SFC_SET_CLIPPING, nullptr, SF_TRUE);
-  // A float file otherwise carries the time of its making in a PEAK chunk.
+  // The PEAK chunk of a float file would contain a timestamp.
   sf_command(file, SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);
-  double compression = 0.7;  // of MP3 only: about 60 kbit/s a channel
+  double compression = 0.7;  // MP3 only: about 60 kbit/s per channel
   sf_command(file, SFC_SET_COMPRESSION_LEVEL, &compression, sizeof compression);
-  const auto count = static_cast<sf_count_t>(samples.size()) / info.channels;
+  const auto count = sf_count_t(samples.size()) / info.channels;
   std::string reason;
   if (sf_writef_float(file, samples.data(), count) != count) reason = sf_strerror(file);
   const int closed = sf_close(file);  // a full disk is often noticed only here
@@ -51,7 +51,8 @@ Result<void> write_wav(const fs::path& path, std::span<const float> samples, int
                        const WavOptions& options) {
   if (auto writable = check_writable(path); !writable) return writable;
   if (sample_rate <= 0)
-    return fail(path.string(), fmt::format("a sample rate of {} Hz", sample_rate), "44100 is usual");
+    return fail(path.string(), fmt::format("sample rate {} Hz is out of range", sample_rate),
+                "44100 is usual");
   SF_INFO info{};
   info.channels = options.channels;
   info.samplerate = sample_rate;

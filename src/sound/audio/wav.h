@@ -1,4 +1,4 @@
-// WAV files, and MP3 for web pages: samples in -1..1 (full scale; see synthesizer.h), of one channel or
+// WAV files, and MP3 for web pages, from samples in -1..1 (full scale; see synthesizer.h), mono or
 // interleaved.
 #pragma once
 
@@ -16,9 +16,8 @@ struct WavOptions {
   int channels = 1;
 };
 
-// Writes all of `samples` or nothing: into a temporary beside `path`, renamed when complete. Creates the
-// folder. PCM clips what lies outside -1..1. The file depends on the arguments only, so equal sounds are
-// equal files.
+// Atomic: writes a temporary file beside `path`, then renames it. Creates the folder. PCM clips samples
+// outside -1..1. The file depends only on the arguments, so equal sounds give equal files.
 Result<void> write_wav(const std::filesystem::path& path, std::span<const float> samples, int sample_rate,
                        const WavOptions& options = {});
 

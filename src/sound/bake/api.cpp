@@ -21,7 +21,7 @@ sound::BakeOptions bake_options(const BakeOptions& from) {
   return options;
 }
 
-// Of a sphere, a box or a cylinder.
+// The solid shape of a sphere, a box or a cylinder.
 Result<sound::SolidShape> solid_of(const Shape& shape) {
   using Kind = sound::SolidShape::Kind;
   sound::SolidShape solid;
@@ -71,8 +71,8 @@ Result<ModalModel> bake(const TriangleMesh& mesh, const MaterialChoice& material
   sound::FillOptions fill{size_of_elements(options, surface->volume, surface->area, *values), options.max_elements};
   if (!options.element_size && options.thickness == 0 && surface->is_closed() &&
       sound::has_skew_edges(*surface, fill.element_size))
-    fill.element_size *= sound::at_skew_edges;
-  auto filled = sound::fill_by(sound::Mesher::automatic, *surface, fill, {}, name);
+    fill.element_size *= sound::skew_edge_size_factor;
+  auto filled = sound::fill_with(sound::Mesher::automatic, *surface, fill, {}, name);
   if (!filled) return tl::unexpected(filled.error());
   return baked(filled->mesh, *values, options);
 }

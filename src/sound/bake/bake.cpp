@@ -15,24 +15,24 @@ namespace {
 
 using Eigen::MatrixXd;
 
-// What ten nodes do when the four corners decide: middles are halfway.
-using Follow = Eigen::Matrix<double, 10, 4>;
-Follow follow_corners() {
-  Follow follow = Follow::Zero();
-  follow.topRows<4>().setIdentity();
+// Interpolation of the ten nodes from the four corners: mid-edge nodes are halfway.
+using Interpolation = Eigen::Matrix<double, 10, 4>;
+Interpolation corner_interpolation() {
+  Interpolation weights = Interpolation::Zero();
+  weights.topRows<4>().setIdentity();
   for (int e = 0; e < 6; ++e) {
-    for (const int corner : tet_edges[std::size_t(e)]) follow(4 + e, corner) = 0.5;
+    for (const int corner : tet_edges[std::size_t(e)]) weights(4 + e, corner) = 0.5;
   }
-  return follow;
+  return weights;
 }
 
-// An edge of the shell, with the two vertices opposite to it; at a rim the second is the first again.
+// An edge of the shell, with the two vertices opposite to it; at a rim both are the same.
 struct Hinge {
   int a, b, left, right;
   bool is_rim() const { return left == right; }
 };
 
-Result<std::vector<Hinge>> hinges_of(const BodySurface& surface, const std::string& name) {
+Result<std::vector<Hinge>> find_hinges(const BodySurface& surface, const std::string& name) {
   std::map<std::pair<int, int>, std::vector<int>> opposite;
   for (const Triangle& t : surface.triangles) {
     for (std::size_t k = 0; k < 3; ++k) opposite[std::minmax(t[k], t[(k + 1) % 3])].push_back(t[(k + 2) % 3]);
@@ -40,8 +40,9 @@ Result<std::vector<Hinge>> hinges_of(const BodySurface& surface, const std::stri
   std::vector<Hinge> hinges;
   for (const auto& [edge, sides] : opposite) {
     if (sides.size() > 2)
-      return fail(name, "has edges of more than two triangles, which no spring-mass shell has",
-                  "bake it as a solid, or mend the mesh");
+      return fail(name,
+                  "has edges shared by more than two triangles, which a spring-mass shell does not allow",
+                  "bake it as a solid, or repair the mesh");
     hinges.push_back({edge.first, edge.second, sides.front(), sides.back()});
   }
   return hinges;
@@ -65,7 +66,8 @@ struct ShellElements {
     stretch.segment<3>(3) = edge.normalized();
     element.stiffness += material.youngs_modulus * thickness * stretch * stretch.transpose();
     const double areas = area(h, h.left) + (h.is_rim() ? 0 : area(h, h.right));
-    // Each triangle gives a third of its mass to a corner, half of that through each of the corner's edges.
+    // Each triangle gives a third of its mass to each corner, half of that through each of the corner's
+    // edges.
     element.mass(0, 0) = element.mass(1, 1) = material.density * thickness * areas / 6;
     if (h.is_rim()) return element;
     Eigen::Matrix<double, 12, 1> fold = Eigen::Matrix<double, 12, 1>::Zero();
@@ -73,12 +75,12 @@ struct ShellElements {
       const Vec3& tip = at(side == 2 ? h.left : h.right);
       const double along = (tip - at(h.a)).dot(edge) / edge.squaredNorm();
       const Vec3 altitude = tip - at(h.a) - along * edge;
-      // Across the two triangles the normal keeps its side of the surface.
+      // Both normals point to the same side of the surface.
       const Vec3 normal = (side == 2 ? edge.cross(altitude) : altitude.cross(edge)).normalized();
-      const Vec3 turn = normal / altitude.norm();
-      fold.segment<3>(3 * side) += turn;
-      fold.segment<3>(0) -= (1 - along) * turn;
-      fold.segment<3>(3) -= along * turn;
+      const Vec3 rotation = normal / altitude.norm();
+      fold.segment<3>(3 * side) += rotation;
+      fold.segment<3>(0) -= (1 - along) * rotation;
+      fold.segment<3>(3) -= along * rotation;
     }
     const double bending = material.youngs_modulus * std::pow(thickness, 3) /
                            (12 * (1 - material.poisson_ratio * material.poisson_ratio));
@@ -89,20 +91,15 @@ struct ShellElements {
 
 double surface_area(const ModalModel& model) {
   double area = 0;
-  for (const Triangle& t : model.triangles) {
-    const Vec3& origin = model.points[std::size_t(t[0])];
-    area += 0.5 *
-            (model.points[std::size_t(t[1])] - origin).cross(model.points[std::size_t(t[2])] - origin).norm();
-  }
+  for (const Triangle& t : model.triangles) area += 0.5 * triangle_cross(model.points, t).norm();
   return area;
 }
 
-void take_shapes(const Eigen::MatrixXd& shape, const std::vector<Eigen::Index>& ringing,
+void copy_shapes(const Eigen::MatrixXd& shape, const std::vector<Eigen::Index>& ringing,
                  const std::vector<int>& nodes, ModalModel& model) {
   for (const int node : nodes) {
     for (int axis = 0; axis < 3; ++axis) {
-      for (const Eigen::Index m : ringing)
-        model.shapes.push_back(static_cast<float>(shape(3 * node + axis, m)));
+      for (const Eigen::Index m : ringing) model.shapes.push_back(float(shape(3 * node + axis, m)));
     }
   }
 }
@@ -113,7 +110,7 @@ Result<void> check_elements(const TetMesh& mesh) {
     const ElementNodes nodes = element_nodes(mesh, tet);
     for (const QuadraturePoint& q : tet_quadrature()) {
       if (!(jacobian(nodes, q.barycentric) > 0)) {
-        return fail("mesh", "a tetrahedron is inside out", "curve the surface less, or use smaller elements");
+        return fail("mesh", "has an inverted element", "curve the surface less, or use smaller elements");
       }
     }
   }
@@ -122,7 +119,7 @@ Result<void> check_elements(const TetMesh& mesh) {
 
 }  // namespace
 
-Hash bake_inputs(const Material& m, const BakeOptions& options) {
+Hash bake_hash(const Material& m, const BakeOptions& options) {
   Hash hash;
   hash.add(baker_version);
   hash.add(std::string_view(m.name));
@@ -152,15 +149,12 @@ Result<void> check_material(const Material& material) {
 
 ModalSurface boundary_surface(const TetMesh& mesh) {
   ModalSurface surface;
-  std::vector<int> number(mesh.nodes.size(), -1);
+  Renumbering number(mesh.nodes.size());
   const auto point = [&](int node) {
-    int& n = number[std::size_t(node)];
-    if (n < 0) {
-      n = static_cast<int>(surface.nodes.size());
+    return number(node, [&](std::size_t n) {
       surface.nodes.push_back(node);
-      surface.points.push_back(mesh.nodes[std::size_t(node)]);
-    }
-    return n;
+      surface.points.push_back(mesh.nodes[n]);
+    });
   };
   constexpr std::array<std::array<std::size_t, 3>, 4> quarters{{{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}}};
   for (const Triangle6& face : mesh.boundary) {
@@ -170,31 +164,32 @@ ModalSurface boundary_surface(const TetMesh& mesh) {
   return surface;
 }
 
-ModalModel model_of_modes(const Modes& modes, ModalSurface surface, double mass, const Material& material,
-                          const BakeOptions& options) {
+Result<ModalModel> make_modal_model(const Modes& modes, ModalSurface surface, double mass,
+                                    const Material& material, const BakeOptions& options) {
   ModalModel model;
   model.name = options.name;
-  model.source = options.source;
+  model.identity = options.identity;
   model.material = material;
   model.mass = mass;
   model.residual = modes.residual;
   std::vector<Eigen::Index> ringing;
   for (Eigen::Index m = 0; m < modes.angular_frequency.size(); ++m) {
     const double omega = modes.angular_frequency[m];
-    const double d = 0.5 * (material.rayleigh_alpha + material.rayleigh_beta * omega * omega);
+    const double d = rayleigh_damping(material, omega);
     if (d >= omega) continue;
     ringing.push_back(m);
     model.angular_frequency.push_back(omega);
     model.damping.push_back(d);
   }
-  take_shapes(modes.shape, ringing, surface.nodes, model);
+  copy_shapes(modes.shape, ringing, surface.nodes, model);
   model.points = std::move(surface.points);
   model.triangles = std::move(surface.triangles);
   model.area = surface_area(model);
   const Eigen::RowVectorXd volume = volume_velocity(model);
-  sample_surface(model, options.sample);
-  if (model.modes() > 0) model.radiation = radiation_of(model, volume, surface.thickness);
-  round_shapes(model);
+  sample_surface(model, options.sample, options.modes.stop);
+  if (stop_requested(options.modes.stop)) return bake_stopped();
+  if (model.modes() > 0) model.radiation = mode_radiation(model, volume, surface.thickness);
+  quantise_shapes(model);
   model.grid = TriangleGrid(model.points, model.triangles);
   return model;
 }
@@ -202,105 +197,99 @@ ModalModel model_of_modes(const Modes& modes, ModalSurface surface, double mass,
 Result<ModalModel> bake(const TetMesh& mesh, const Material& material, const BakeOptions& options) {
   if (auto valid = check_material(material); !valid) return tl::unexpected(valid.error());
   if (auto valid = check_elements(mesh); !valid) return tl::unexpected(valid.error());
-  const auto modes = free_modes(assemble(mesh, material), options.modes);
+  const auto modes = free_modes(assemble(mesh, material, options.modes.stop), options.modes);
   if (!modes) return tl::unexpected(modes.error());
-  return model_of_modes(*modes, boundary_surface(mesh), material.density * volume(mesh), material, options);
+  return make_modal_model(*modes, boundary_surface(mesh), material.density * volume(mesh), material, options);
 }
 
 Result<ModalModel> bake_linear(const TetMesh& mesh, const Material& material, const BakeOptions& options) {
   if (auto valid = check_material(material); !valid) return tl::unexpected(valid.error());
-  std::vector<int> number(mesh.nodes.size(), -1);
+  Renumbering number(mesh.nodes.size());
   std::vector<std::array<int, 4>> corners;
-  int count = 0;
   for (const Tet10& tet : mesh.tets) {
     std::array<int, 4>& own = corners.emplace_back();
-    for (std::size_t k = 0; k < 4; ++k) {
-      int& n = number[std::size_t(tet[k])];
-      if (n < 0) n = count++;
-      own[k] = n;
-    }
+    for (std::size_t k = 0; k < 4; ++k) own[k] = number(tet[k], [](std::size_t) {});
   }
-  TetMesh straight = mesh;
-  const Follow follow = follow_corners();
-  // Of dynamic size: unrolled, the product below takes minutes to compile.
-  MatrixXd follow_axes = MatrixXd::Zero(30, 12);
+  const Interpolation weights = corner_interpolation();
+  // Dynamic size: unrolled, the product below takes minutes to compile.
+  MatrixXd interpolation_3d = MatrixXd::Zero(30, 12);
   for (int axis = 0; axis < 3; ++axis) {
     for (int a = 0; a < 10; ++a) {
-      for (int b = 0; b < 4; ++b) follow_axes(3 * a + axis, 3 * b + axis) = follow(a, b);
+      for (int b = 0; b < 4; ++b) interpolation_3d(3 * a + axis, 3 * b + axis) = weights(a, b);
     }
   }
   double mass = 0;
-  const ElasticSystem system = assemble_elements<4>(std::size_t(count), corners, [&](std::size_t e) {
-    const ElementNodes whole = element_nodes(mesh, mesh.tets[e]);
-    const ElementNodes nodes = whole.leftCols<4>() * follow.transpose();
-    mass += material.density * element_volume(nodes);
-    const MatrixXd of_ten = element_stiffness(nodes, material);
-    return ElementSystem<4>{follow_axes.transpose() * of_ten * follow_axes,
-                            follow.transpose() * element_mass(nodes, material.density) * follow};
-  });
+  const ElasticSystem system = assemble_elements<4>(
+      std::size_t(number.used()), corners,
+      [&](std::size_t e) {
+        const ElementNodes curved = element_nodes(mesh, mesh.tets[e]);
+        const ElementNodes nodes = curved.leftCols<4>() * weights.transpose();
+        mass += material.density * element_volume(nodes);
+        const MatrixXd ten_node_stiffness = element_stiffness(nodes, material);
+        return ElementSystem<4>{interpolation_3d.transpose() * ten_node_stiffness * interpolation_3d,
+                                weights.transpose() * element_mass(nodes, material.density) * weights};
+      },
+      options.modes.stop);
   auto modes = free_modes(system, options.modes);
   if (!modes) return tl::unexpected(modes.error());
-  const MatrixXd of_corners = std::move(modes->shape);
-  modes->shape = MatrixXd::Zero(3 * Eigen::Index(mesh.nodes.size()), of_corners.cols());
+  const MatrixXd corner_shapes = std::move(modes->shape);
+  modes->shape = MatrixXd::Zero(3 * Eigen::Index(mesh.nodes.size()), corner_shapes.cols());
   for (std::size_t e = 0; e < mesh.tets.size(); ++e) {
     for (int a = 0; a < 10; ++a) {
-      MatrixXd rows = MatrixXd::Zero(3, of_corners.cols());
+      MatrixXd rows = MatrixXd::Zero(3, corner_shapes.cols());
       for (int b = 0; b < 4; ++b) {
-        if (follow(a, b) > 0) rows += follow(a, b) * of_corners.middleRows(3 * corners[e][std::size_t(b)], 3);
+        if (weights(a, b) > 0)
+          rows += weights(a, b) * corner_shapes.middleRows(3 * corners[e][std::size_t(b)], 3);
       }
       modes->shape.middleRows(3 * mesh.tets[e][std::size_t(a)], 3) = rows;
     }
   }
-  return model_of_modes(*modes, boundary_surface(mesh), mass, material, options);
+  return make_modal_model(*modes, boundary_surface(mesh), mass, material, options);
 }
 
 Result<ModalModel> bake_spring_shell(const BodySurface& surface, double thickness, const Material& material,
                                      const BakeOptions& options, const std::string& name) {
   if (auto valid = check_material(material); !valid) return tl::unexpected(valid.error());
-  const auto hinges = hinges_of(surface, name);
+  const auto hinges = find_hinges(surface, name);
   if (!hinges) return tl::unexpected(hinges.error());
-  // Vertices that no triangle has are no masses.
-  std::vector<int> number(surface.points.size(), -1);
+  // Unreferenced vertices carry no mass.
+  Renumbering number(surface.points.size());
   ModalSurface kept;
   kept.thickness = thickness;
-  for (const Triangle& t : surface.triangles) {
-    Triangle& own = kept.triangles.emplace_back();
-    for (std::size_t k = 0; k < 3; ++k) {
-      int& n = number[std::size_t(t[k])];
-      if (n < 0) {
-        n = static_cast<int>(kept.points.size());
-        kept.points.push_back(surface.points[std::size_t(t[k])]);
-        kept.nodes.push_back(n);
-      }
-      own[k] = n;
-    }
-  }
+  const auto point = [&](int p) {
+    return number(p, [&](std::size_t n) {
+      kept.nodes.push_back(int(kept.points.size()));
+      kept.points.push_back(surface.points[n]);
+    });
+  };
+  for (const auto& [a, b, c] : surface.triangles) kept.triangles.push_back({point(a), point(b), point(c)});
   std::vector<std::array<int, 4>> elements;
-  for (const Hinge& h : *hinges)
-    elements.push_back({number[std::size_t(h.a)], number[std::size_t(h.b)], number[std::size_t(h.left)],
-                        number[std::size_t(h.right)]});
+  for (const Hinge& h : *hinges) elements.push_back({point(h.a), point(h.b), point(h.left), point(h.right)});
   const ShellElements element{surface, material, thickness};
-  const ElasticSystem system = assemble_elements<4>(kept.points.size(), elements,
-                                                    [&](std::size_t e) { return element((*hinges)[e]); });
+  const ElasticSystem system = assemble_elements<4>(
+      kept.points.size(), elements, [&](std::size_t e) { return element((*hinges)[e]); }, options.modes.stop);
   const auto modes = free_modes(system, options.modes);
-  if (!modes) return fail(name, modes.error().message(), "a spring-mass shell must be of one piece");
-  // Of a shell the surface counts both of its sides.
+  if (!modes) return fail(name, modes.error().message(), "a spring-mass shell must be connected");
+  // The area of a shell counts both of its sides.
   const double mass = material.density * thickness * 0.5 * surface.area;
-  return model_of_modes(*modes, std::move(kept), mass, material, options);
+  return make_modal_model(*modes, std::move(kept), mass, material, options);
 }
 
 namespace {
 
-constexpr int rigid_modes = 6;                                // which the law counts too
-constexpr double in_a_shear_wave = 4, in_a_bending_wave = 5;  // elements
+constexpr int rigid_modes = 6;  // also counted by Weyl's law
+constexpr double elements_per_shear_wave = 4, elements_per_bending_wave = 5;
 
-// Below which a solid has `count` modes by Weyl's law: of shear and pressure waves in its volume, and those
-// that its free surface adds, four in ten of a ball's first hundred.
-double last_of_solid(double volume, double area, double shear_speed, double poisson_ratio, int count) {
-  const double r = 2 * (1 - poisson_ratio) / (1 - 2 * poisson_ratio);  // of speeds squared, pressure to shear
+// Frequency below which a solid has `count` modes, by Weyl's law with a free surface:
+//   N(x) = (4 pi / 3) V (2 + r^(-3/2)) x^3 + (pi / 4) A (2 - 3 r + 3 r^2) / (r (r - 1)) x^2,
+// with x = f / c_s in waves per metre and r = (c_p / c_s)^2. The first term counts two shear waves and one
+// pressure wave in the volume, the second what the surface adds: four in ten of a ball's first hundred modes.
+// r > 4/3 for every Poisson ratio above -1. N(x) = count by bisection.
+double solid_mode_frequency(double volume, double area, double shear_speed, double poisson_ratio, int count) {
+  const double r = 2 * (1 - poisson_ratio) / (1 - 2 * poisson_ratio);
   const double in_volume = 4 * std::numbers::pi / 3 * volume * (2 + std::pow(r, -1.5));
   const double on_surface = std::numbers::pi / 4 * area * (2 - 3 * r + 3 * r * r) / (r * (r - 1));
-  double low = 0, high = std::cbrt(count / in_volume);  // in waves a metre
+  double low = 0, high = std::cbrt(count / in_volume);
   for (int k = 0; k < 50; ++k) {
     const double x = 0.5 * (low + high);
     (in_volume * x * x * x + on_surface * x * x < count ? low : high) = x;
@@ -315,13 +304,14 @@ double element_size(double volume, double area, const Material& material, const 
   const double shear_speed = std::sqrt(material.shear_modulus() / material.density);
   const double plate_speed = std::sqrt(material.youngs_modulus / material.density /
                                        (1 - material.poisson_ratio * material.poisson_ratio));
-  const double last =
-      std::min(modes.max_frequency, last_of_solid(volume, area, shear_speed, material.poisson_ratio, count));
+  const double last = std::min(
+      modes.max_frequency, solid_mode_frequency(volume, area, shear_speed, material.poisson_ratio, count));
   const double shear = shear_speed / last;
+  // Bending wavelength^2 = (2 pi / sqrt(12)) c_plate thickness / f, and 2 pi / sqrt(12) is 1.8.
   const double bending = std::sqrt(1.8 * plate_speed * (2 * volume / area) / modes.max_frequency);
   const double last_bending = std::sqrt(std::numbers::pi * 0.5 * area / count);
-  return std::max(std::min(shear / in_a_shear_wave, bending / in_a_bending_wave),
-                  last_bending / in_a_bending_wave);
+  return std::max(std::min(shear / elements_per_shear_wave, bending / elements_per_bending_wave),
+                  last_bending / elements_per_bending_wave);
 }
 
 }  // namespace intaglio::sound

@@ -10,15 +10,15 @@ namespace intaglio::sound {
 
 namespace {
 
-constexpr int probed_groups = 16;     // of modes of one frequency, whose shapes are compared while points go
-constexpr int most_probed = 48;       // modes, or one group more
-constexpr double least_turn = 0.3;    // cosine between a triangle's normals before and after
-constexpr double least_shape = 0.05;  // of a triangle: twice its area over its longest edge squared
+constexpr int probed_groups = 16;  // groups of equal frequency whose shapes are tested during simplification
+constexpr int max_probed = 48;     // modes, or one group more
+constexpr double min_normal_cosine = 0.3;  // cosine between a triangle's normals before and after
+constexpr double min_face_quality = 0.05;  // of a triangle: twice its area over its longest edge squared
 
 using Probe = Eigen::VectorXf;  // of a point: x, y, z of every probed mode, over its group's largest
 
-// What of a probe belongs to one group of modes of one frequency. Groups are measured as a whole, so that it
-// does not matter in which basis their modes are.
+// Range of a probe that belongs to one group of equal frequency. Groups are measured as a whole, so that the
+// basis of their modes does not matter.
 struct Segment {
   Eigen::Index first, size;
 };
@@ -29,12 +29,12 @@ struct Probes {
 };
 
 // Shapes of the modes with the shortest waves, and of some others.
-Probes probes_of(const ModalModel& model) {
+Probes make_probes(const ModalModel& model) {
   const std::vector<Eigen::Index> first = frequency_groups(model.angular_frequency);
   const int groups = int(first.size()) - 1;
   Probes probes;
   std::vector<int> modes;
-  for (int k = 0; k < std::min(probed_groups, groups) && int(modes.size()) < most_probed; ++k) {
+  for (int k = 0; k < std::min(probed_groups, groups) && int(modes.size()) < max_probed; ++k) {
     const auto g = std::size_t(groups - 1 - (k < probed_groups / 2 ? k : k * groups / probed_groups));
     probes.segments.push_back({Eigen::Index(3 * modes.size()), 3 * (first[g + 1] - first[g])});
     for (Eigen::Index m = first[g]; m < first[g + 1]; ++m) modes.push_back(int(m));
@@ -52,21 +52,21 @@ Probes probes_of(const ModalModel& model) {
   return probes;
 }
 
-// Where a point that was taken out is now.
-struct Place {
+// Position of a removed point.
+struct FacePoint {
   int face = -1;
   Vec3 weights = Vec3::Zero();
 };
 
-class Collapse {
+class EdgeCollapse {
  public:
-  Collapse(const ModalModel& model, const SampleOptions& options)
+  EdgeCollapse(const ModalModel& model, const SampleOptions& options)
       : points_(model.points),
-        probes_(probes_of(model)),
+        probes_(make_probes(model)),
         faces_(model.triangles),
         faces_of_(points_.size()),
-        gone_in_(faces_.size()),
-        is_gone_(points_.size(), false),
+        removed_in_face_(faces_.size()),
+        is_removed_(points_.size(), false),
         options_(options) {
     Eigen::AlignedBox3d box;
     for (const Vec3& p : points_) box.extend(p);
@@ -76,24 +76,26 @@ class Collapse {
     }
   }
 
-  void run() {
-    for (int taken = 1; taken > 0;) {
-      taken = 0;
+  void run(const std::atomic<bool>* stop) {
+    for (int collapsed = 1; collapsed > 0;) {
+      collapsed = 0;
       for (const auto& [a, b] : edges_by_length()) {
-        if (is_gone_[std::size_t(a)] || is_gone_[std::size_t(b)]) continue;
-        taken += take_out(b, a) || take_out(a, b);
+        if (stop_requested(stop)) return;
+        if (is_removed_[std::size_t(a)] || is_removed_[std::size_t(b)]) continue;
+        collapsed += collapse(b, a) || collapse(a, b);
       }
     }
   }
 
   const std::vector<Triangle>& faces() const { return faces_; }
-  bool is_gone(int point) const { return is_gone_[std::size_t(point)]; }
+  bool is_removed(int point) const { return is_removed_[std::size_t(point)]; }
 
-  // Of every point that went, which face it is in.
+  // Calls visit(point, face, barycentric weights) for every removed point.
   template <class Visit>
-  void each_gone(Visit visit) const {
+  void for_each_removed(Visit visit) const {
     for (std::size_t f = 0; f < faces_.size(); ++f) {
-      for (const int p : gone_in_[f]) visit(p, faces_[f], weights(points_[std::size_t(p)], faces_[f]));
+      for (const int p : removed_in_face_[f])
+        visit(p, faces_[f], weights(points_[std::size_t(p)], faces_[f]));
     }
   }
 
@@ -118,21 +120,17 @@ class Collapse {
     return nearest_barycentric(p, points_[std::size_t(t[0])], points_[std::size_t(t[1])],
                                points_[std::size_t(t[2])]);
   }
-  Vec3 cross(const Triangle& t) const {
-    const Vec3& o = points_[std::size_t(t[0])];
-    return (points_[std::size_t(t[1])] - o).cross(points_[std::size_t(t[2])] - o);
-  }
-
-  // Not where surface sheets would be glued, or one would fold back.
-  bool is_manifold_at(int out, int into) {
+  // Whether collapsing the edge leaves the surface manifold. An inner point has each neighbour in two faces
+  // of its ring; the collapse is safe if its two ends share just the two neighbours beside the edge (the link
+  // condition).
+  bool is_manifold_at(int removed, int into) {
     ring_.clear();
-    for (const int f : faces_of_[std::size_t(out)]) {
+    for (const int f : faces_of_[std::size_t(removed)]) {
       for (const int p : faces_[std::size_t(f)]) {
-        if (p != out) ring_.push_back(p);
+        if (p != removed) ring_.push_back(p);
       }
     }
     std::sort(ring_.begin(), ring_.end());
-    // Around an inner point each neighbour is in two faces.
     for (std::size_t k = 0; k < ring_.size(); k += 2) {
       if (k + 1 == ring_.size() || ring_[k] != ring_[k + 1] ||
           (k + 2 < ring_.size() && ring_[k + 2] == ring_[k]))
@@ -146,24 +144,26 @@ class Collapse {
         return std::find(t.begin(), t.end(), into) != t.end();
       });
     }
-    return common == 3;  // the two beside the edge, and `into` itself
+    return common == 3;  // `into` itself counts, too
   }
 
-  bool keeps_shape(const Triangle& before, const Triangle& after) const {
-    const Vec3 was = cross(before), is = cross(after);
+  bool is_acceptable(const Triangle& before, const Triangle& after) const {
+    const Vec3 old_cross = triangle_cross(points_, before), new_cross = triangle_cross(points_, after);
     double longest = 0;
     for (std::size_t k = 0; k < 3; ++k)
       longest = std::max(
           longest, (points_[std::size_t(after[k])] - points_[std::size_t(after[(k + 1) % 3])]).squaredNorm());
-    return is.norm() > least_shape * longest && is.dot(was) > least_turn * is.norm() * was.norm();
+    return new_cross.norm() > min_face_quality * longest &&
+           new_cross.dot(old_cross) > min_normal_cosine * new_cross.norm() * old_cross.norm();
   }
 
-  // Finds places for the points of the faces around `out` in the faces that come; false if one would err.
-  bool place_all(int out) {
+  // Relocates the removed points of the faces around `removed` into the new faces; false if any exceeds the
+  // error limit.
+  bool relocate_removed(int removed) {
     places_.clear();
     const auto place = [&](int p) {
       const Vec3& at = points_[std::size_t(p)];
-      Place best;
+      FacePoint best;
       double nearest = reach_;
       for (const auto& [f, t] : changed_) {
         const Vec3 w = weights(at, t);
@@ -186,32 +186,32 @@ class Collapse {
       places_.emplace_back(p, best.face);
       return true;
     };
-    if (!place(out)) return false;
-    for (const int f : faces_of_[std::size_t(out)]) {
-      for (const int p : gone_in_[std::size_t(f)]) {
+    if (!place(removed)) return false;
+    for (const int f : faces_of_[std::size_t(removed)]) {
+      for (const int p : removed_in_face_[std::size_t(f)]) {
         if (!place(p)) return false;
       }
     }
     return true;
   }
 
-  bool take_out(int out, int into) {
-    if (!is_manifold_at(out, into)) return false;
+  bool collapse(int removed, int into) {
+    if (!is_manifold_at(removed, into)) return false;
     changed_.clear();
-    for (const int f : faces_of_[std::size_t(out)]) {
+    for (const int f : faces_of_[std::size_t(removed)]) {
       Triangle t = faces_[std::size_t(f)];
       if (std::find(t.begin(), t.end(), into) != t.end()) continue;
-      std::replace(t.begin(), t.end(), out, into);
-      if (!keeps_shape(faces_[std::size_t(f)], t)) return false;
+      std::replace(t.begin(), t.end(), removed, into);
+      if (!is_acceptable(faces_[std::size_t(f)], t)) return false;
       changed_.emplace_back(f, t);
     }
-    if (!place_all(out)) return false;
-    for (const int f : faces_of_[std::size_t(out)]) {
-      gone_in_[std::size_t(f)].clear();
+    if (!relocate_removed(removed)) return false;
+    for (const int f : faces_of_[std::size_t(removed)]) {
+      removed_in_face_[std::size_t(f)].clear();
       Triangle& t = faces_[std::size_t(f)];
       if (std::find(t.begin(), t.end(), into) == t.end()) continue;
       for (const int p : t) {
-        if (p != out) std::erase(faces_of_[std::size_t(p)], f);
+        if (p != removed) std::erase(faces_of_[std::size_t(p)], f);
       }
       t = {-1, -1, -1};
     }
@@ -219,20 +219,20 @@ class Collapse {
       faces_[std::size_t(f)] = t;
       faces_of_[std::size_t(into)].push_back(f);
     }
-    for (const auto& [p, f] : places_) gone_in_[std::size_t(f)].push_back(p);
-    faces_of_[std::size_t(out)].clear();
-    is_gone_[std::size_t(out)] = true;
+    for (const auto& [p, f] : places_) removed_in_face_[std::size_t(f)].push_back(p);
+    faces_of_[std::size_t(removed)].clear();
+    is_removed_[std::size_t(removed)] = true;
     return true;
   }
 
   std::vector<Vec3> points_;
   Probes probes_;
-  std::vector<Triangle> faces_;  // -1: gone
-  std::vector<std::vector<int>> faces_of_, gone_in_;
-  std::vector<bool> is_gone_;
+  std::vector<Triangle> faces_;  // -1: removed
+  std::vector<std::vector<int>> faces_of_, removed_in_face_;
+  std::vector<bool> is_removed_;
   SampleOptions options_;
   double reach_ = 0;
-  // Of the step under way.
+  // Scratch of the current collapse.
   std::vector<int> ring_;
   std::vector<std::pair<int, Triangle>> changed_;
   std::vector<std::pair<int, int>> places_;  // point, face
@@ -240,19 +240,20 @@ class Collapse {
   Probe error_;
 };
 
-// Root mean square over the points that went of the error of each group of modes over its size: the worst.
-double worst_error(const ModalModel& model, const Collapse& collapse) {
+// The worst group's error, relative to its size: root mean squares over the removed points and over all
+// points.
+double worst_error(const ModalModel& model, const EdgeCollapse& collapse) {
   Eigen::VectorXd error = Eigen::VectorXd::Zero(model.modes()), size = error;
-  int gone = 0;
-  collapse.each_gone([&](int p, const Triangle& t, const Vec3& w) {
-    ++gone;
+  int removed = 0;
+  collapse.for_each_removed([&](int p, const Triangle& t, const Vec3& w) {
+    ++removed;
     for (int m = 0; m < model.modes(); ++m) {
       const Vec3 between =
           w[0] * model.shape(t[0], m) + w[1] * model.shape(t[1], m) + w[2] * model.shape(t[2], m);
       error[m] += (between - model.shape(p, m)).squaredNorm();
     }
   });
-  if (gone == 0) return 0;
+  if (removed == 0) return 0;
   for (std::size_t p = 0; p < model.points.size(); ++p) {
     for (int m = 0; m < model.modes(); ++m) size[m] += model.shape(int(p), m).squaredNorm();
   }
@@ -262,22 +263,22 @@ double worst_error(const ModalModel& model, const Collapse& collapse) {
     const Eigen::Index modes = first[g + 1] - first[g];
     worst = std::max(worst, error.segment(first[g], modes).sum() / size.segment(first[g], modes).sum());
   }
-  return std::sqrt(worst / double(gone) * double(model.points.size()));
+  return std::sqrt(worst / double(removed) * double(model.points.size()));
 }
 
 }  // namespace
 
-void sample_surface(ModalModel& model, const SampleOptions& options) {
+void sample_surface(ModalModel& model, const SampleOptions& options, const std::atomic<bool>* stop) {
   if (model.modes() == 0 || !(options.shape_error > 0)) return;
-  Collapse collapse(model, options);
-  collapse.run();
+  EdgeCollapse collapse(model, options);
+  collapse.run(stop);
   model.shape_error = worst_error(model, collapse);
   std::vector<int> number(model.points.size(), -1);
   std::vector<Vec3> points;
   std::vector<float> shapes;
   const std::size_t row = 3 * std::size_t(model.modes());
   for (std::size_t p = 0; p < model.points.size(); ++p) {
-    if (collapse.is_gone(int(p))) continue;
+    if (collapse.is_removed(int(p))) continue;
     number[p] = int(points.size());
     points.push_back(model.points[p]);
     shapes.insert(shapes.end(), model.shapes.begin() + std::ptrdiff_t(p * row),

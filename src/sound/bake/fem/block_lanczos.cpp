@@ -13,30 +13,52 @@
 
 #include "core/portable_math.h"
 
+// BLAS as Fortran has it: c = alpha op(a) op(b) + beta c.
+extern "C" void dgemm_(const char* op_a, const char* op_b, const int* m, const int* n, const int* k,
+                       const double* alpha, const double* a, const int* lda, const double* b, const int* ldb,
+                       const double* beta, double* c, const int* ldc);
+
 namespace intaglio::sound {
 
 namespace {
 
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+constexpr Index chunk_columns = 64;
+constexpr double ritz_tolerance = 1e-8;  // residual of a Ritz pair, relative; its value errs by the square
+// A Gram matrix of eight columns is rounded by some 1e-15 of its largest eigenvalue: smaller eigenvalues are
+// noise, and their vectors are neither of unit length nor orthogonal to the basis. Bodies are above 1e-6.
+constexpr double gram_noise = 1e-14;
+
 std::mutex mumps_mutex;
 
-void use_one_blas_thread() {
-  // Only OpenBLAS has threads to switch off; another BLAS does not have the symbol.
-  using SetThreads = void (*)(int);
-  static const auto set_threads =
-      reinterpret_cast<SetThreads>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
-  if (set_threads) set_threads(1);
+// OpenBLAS's setting of the process, found by name, since another BLAS does not have it.
+template <class Function>
+Function* blas_function(const char* name) {
+  return reinterpret_cast<Function*>(dlsym(RTLD_DEFAULT, name));  // Process-wide: only looked up
+}
+struct BlasThreads {
+  int (*get)() = blas_function<int()>("openblas_get_num_threads");
+  void (*set)(int) = blas_function<void(int)>("openblas_set_num_threads");
+  std::mutex mutex;
+  int users = 0, hosts = 0;  // objects that live; the host's number of threads
+};
+BlasThreads& blas_threads() {
+  static BlasThreads threads;
+  return threads;
 }
 
-// The place of each degree of freedom in the elimination order, from 1. MUMPS as Debian builds it lacks
-// METIS; and the graph of the nodes is a ninth of the graph of the degrees of freedom.
+// The elimination position of each degree of freedom, from 1. Debian's MUMPS lacks METIS; and the graph of
+// the nodes is a ninth of the graph of the degrees of freedom.
 std::vector<MUMPS_INT> elimination_order(const SparseMatrix& node_matrix) {
-  auto nodes = static_cast<idx_t>(node_matrix.cols());
+  auto nodes = idx_t(node_matrix.cols());
   std::vector<idx_t> start{0}, neighbours;
   for (int node = 0; node < nodes; ++node) {
     for (SparseMatrix::InnerIterator entry(node_matrix, node); entry; ++entry) {
-      if (entry.row() != node) neighbours.push_back(static_cast<idx_t>(entry.row()));
+      if (entry.row() != node) neighbours.push_back(idx_t(entry.row()));
     }
-    start.push_back(static_cast<idx_t>(neighbours.size()));
+    start.push_back(idx_t(neighbours.size()));
   }
   std::vector<idx_t> order(start.size() - 1), place(start.size() - 1);
   idx_t options[METIS_NOPTIONS];
@@ -45,7 +67,7 @@ std::vector<MUMPS_INT> elimination_order(const SparseMatrix& node_matrix) {
   METIS_NodeND(&nodes, start.data(), neighbours.data(), nullptr, options, order.data(), place.data());
   std::vector<MUMPS_INT> result;
   for (const idx_t p : place) {
-    for (int axis = 0; axis < 3; ++axis) result.push_back(static_cast<MUMPS_INT>(3 * p + axis + 1));
+    for (int axis = 0; axis < 3; ++axis) result.push_back(MUMPS_INT(3 * p + axis + 1));
   }
   return result;
 }
@@ -58,14 +80,14 @@ struct Triplets {
 // The lower triangle of K - shift * M.
 Triplets shifted_entries(const ElasticSystem& system, double shift) {
   Triplets entries;
-  const auto count = static_cast<std::size_t>(system.stiffness.nonZeros());
+  const auto count = std::size_t(system.stiffness.nonZeros());
   entries.rows.reserve(count);
   entries.columns.reserve(count);
   entries.values.reserve(count);
   for (int column = 0; column < system.dofs(); ++column) {
     SparseMatrix::InnerIterator mass(system.mass, column / 3);
     for (SparseMatrix::InnerIterator entry(system.stiffness, column); entry; ++entry) {
-      const int row = static_cast<int>(entry.row());
+      const int row = int(entry.row());
       while (mass && mass.row() < row / 3) ++mass;
       const bool has_mass = mass && mass.row() == row / 3 && row % 3 == column % 3;
       entries.rows.push_back(row + 1);
@@ -94,10 +116,27 @@ Error explain(const DMUMPS_STRUC_C& mumps) {
 
 }  // namespace
 
+SingleThreadedBlas::SingleThreadedBlas() {
+  BlasThreads& blas = blas_threads();
+  if (!blas.get || !blas.set) return;
+  const std::lock_guard lock(blas.mutex);
+  if (blas.users++ > 0) return;
+  blas.hosts = blas.get();
+  blas.set(1);
+}
+
+SingleThreadedBlas::~SingleThreadedBlas() {
+  BlasThreads& blas = blas_threads();
+  if (!blas.get || !blas.set) return;
+  const std::lock_guard lock(blas.mutex);
+  if (--blas.users == 0) blas.set(blas.hosts);
+}
+
 struct Factorisation::Instance {
   mutable DMUMPS_STRUC_C mumps{};
   void call(int job) const {
     const std::lock_guard lock(mumps_mutex);
+    const SingleThreadedBlas single;
     mumps.job = job;
     dmumps_c(&mumps);
   }
@@ -109,14 +148,12 @@ Factorisation::Factorisation(Factorisation&&) noexcept = default;
 Factorisation& Factorisation::operator=(Factorisation&&) noexcept = default;
 Factorisation::~Factorisation() = default;
 
-Result<Factorisation> Factorisation::of(const ElasticSystem& system, double shift,
-                                        Definiteness definiteness) {
-  use_one_blas_thread();
+Result<Factorisation> Factorisation::factorise(const ElasticSystem& system, double shift,
+                                               Definiteness definiteness, const std::atomic<bool>* stop) {
   auto instance = std::make_unique<Instance>();
   DMUMPS_STRUC_C& mumps = instance->mumps;
-  const auto icntl = [&mumps](int number) -> MUMPS_INT& {
-    return mumps.icntl[number - 1];
-  };  // numbered as in its manual
+  // Numbered as in its manual.
+  const auto icntl = [&mumps](int number) -> MUMPS_INT& { return mumps.icntl[number - 1]; };
   mumps.par = 1;
   mumps.sym = definiteness == Definiteness::positive ? 1 : 2;
   mumps.comm_fortran = -987654;  // MPI_COMM_WORLD of the sequential build
@@ -124,8 +161,8 @@ Result<Factorisation> Factorisation::of(const ElasticSystem& system, double shif
 
   Triplets entries = shifted_entries(system, shift);
   std::vector<MUMPS_INT> order = elimination_order(system.mass);
-  mumps.n = static_cast<MUMPS_INT>(system.dofs());
-  mumps.nnz = static_cast<MUMPS_INT8>(entries.values.size());
+  mumps.n = MUMPS_INT(system.dofs());
+  mumps.nnz = MUMPS_INT8(entries.values.size());
   mumps.irn = entries.rows.data();
   mumps.jcn = entries.columns.data();
   mumps.a = entries.values.data();
@@ -134,9 +171,13 @@ Result<Factorisation> Factorisation::of(const ElasticSystem& system, double shif
   icntl(7) = 1;                                                   // the order is ours
   // Per cent of memory to spare: a positive matrix is not pivoted.
   icntl(14) = definiteness == Definiteness::positive ? 10 : 40;
-  icntl(28) = 1;  // analyse sequentially
-  instance->call(4);
-  // Solving needs the factors only, and the entries go when this returns.
+  icntl(28) = 1;                  // analyse sequentially
+  for (const int job : {1, 2}) {  // analyse, factorise
+    if (stop_requested(stop)) return bake_stopped();
+    instance->call(job);
+    if (mumps.infog[0] < 0) break;
+  }
+  // Solving needs only the factors, and the entries are freed when this returns.
   mumps.irn = mumps.jcn = mumps.perm_in = nullptr;
   mumps.a = nullptr;
   if (mumps.infog[0] < 0) return tl::unexpected<Error>(explain(mumps));
@@ -147,7 +188,7 @@ void Factorisation::solve(Eigen::MatrixXd& b) const {
   DMUMPS_STRUC_C& mumps = instance_->mumps;
   assert(b.rows() == mumps.n);
   mumps.rhs = b.data();
-  mumps.nrhs = static_cast<MUMPS_INT>(b.cols());
+  mumps.nrhs = MUMPS_INT(b.cols());
   mumps.lrhs = mumps.n;
   instance_->call(3);
 }
@@ -155,24 +196,6 @@ void Factorisation::solve(Eigen::MatrixXd& b) const {
 int Factorisation::negative_eigenvalues() const {
   return instance_->mumps.infog[11];
 }
-
-}  // namespace intaglio::sound
-
-// BLAS as Fortran has it: c = alpha op(a) op(b) + beta c.
-extern "C" void dgemm_(const char* op_a, const char* op_b, const int* m, const int* n, const int* k,
-                       const double* alpha, const double* a, const int* lda, const double* b, const int* ldb,
-                       const double* beta, double* c, const int* ldc);
-
-namespace intaglio::sound {
-
-namespace {
-
-using Eigen::Index;
-using Eigen::MatrixXd;
-
-constexpr Index chunk_columns = 64;
-
-}  // namespace
 
 void TallBasis::append(const MatrixXd& columns) {
   assert(columns.rows() == rows_);
@@ -182,13 +205,14 @@ void TallBasis::append(const MatrixXd& columns) {
   }
 }
 
-// Visits, chunk by chunk, the first of the columns, how many, and their place after `first`.
+// Calls visit(data, count, position after `first`) for the columns of each chunk.
 template <class Visit>
 void TallBasis::each_chunk(Index first, Visit visit) const {
+  const SingleThreadedBlas single;
   for (Index at = first; at < size_;) {
     const Index in_chunk = at % chunk_columns;
     const Index count = std::min(chunk_columns - in_chunk, size_ - at);
-    visit(chunks_[std::size_t(at / chunk_columns)].col(in_chunk).data(), static_cast<int>(count), at - first);
+    visit(chunks_[std::size_t(at / chunk_columns)].col(in_chunk).data(), int(count), at - first);
     at += count;
   }
 }
@@ -196,8 +220,7 @@ void TallBasis::each_chunk(Index first, Visit visit) const {
 MatrixXd TallBasis::transposed_times(const MatrixXd& x, Index first) const {
   MatrixXd result(size_ - first, x.cols());
   if (x.cols() == 0) return result;
-  const auto n = static_cast<int>(rows_), width = static_cast<int>(x.cols()),
-             height = static_cast<int>(result.rows());
+  const auto n = int(rows_), width = int(x.cols()), height = int(result.rows());
   const double one = 1, zero = 0;
   each_chunk(first, [&](const double* columns, int count, Index place) {
     dgemm_("T", "N", &count, &width, &n, &one, columns, &n, x.data(), &n, &zero, result.data() + place,
@@ -209,8 +232,7 @@ MatrixXd TallBasis::transposed_times(const MatrixXd& x, Index first) const {
 void TallBasis::subtract(const MatrixXd& h, MatrixXd& x, Index first) const {
   assert(h.rows() == size_ - first && h.cols() == x.cols());
   if (x.cols() == 0) return;
-  const auto n = static_cast<int>(rows_), width = static_cast<int>(x.cols()),
-             height = static_cast<int>(h.rows());
+  const auto n = int(rows_), width = int(x.cols()), height = int(h.rows());
   const double minus_one = -1, one = 1;
   each_chunk(first, [&](const double* columns, int count, Index place) {
     dgemm_("N", "N", &n, &width, &count, &minus_one, columns, &n, h.data() + place, &height, &one, x.data(),
@@ -224,48 +246,38 @@ MatrixXd TallBasis::times(const MatrixXd& y) const {
   return result;
 }
 
-}  // namespace intaglio::sound
-
-namespace intaglio::sound {
-
-namespace {
-
-using Eigen::Index;
-using Eigen::MatrixXd;
-
-constexpr double tolerance = 1e-8;  // of a Ritz value, relative; the error of the value itself is its square
-
-}  // namespace
-
-BlockLanczos::BlockLanczos(const Factorisation& shifted, const ElasticSystem& system, Index most)
-    : shifted_(shifted), system_(system), most_(most), basis_(system.dofs()) {
+BlockLanczos::BlockLanczos(const Factorisation& shifted, const ElasticSystem& system, Index max_size)
+    : shifted_(shifted), system_(system), max_size_(max_size), basis_(system.dofs()) {
   Random random(1);
   next_ = MatrixXd::NullaryExpr(system.dofs(), block_size, [&] { return random.uniform(-1, 1); });
-  // One application of A leaves little of the stiff components, which no wanted mode has.
+  // One application of A damps the stiff components, which no wanted mode contains.
   next_ = system_.mass_times(next_);
   shifted_.solve(next_);
   orthonormalise();
 }
 
-void BlockLanczos::grow() {
+void BlockLanczos::extend() {
   const Index first = size(), width = next_.cols();
   basis_.append(next_);
   next_ = mass_next_;
   shifted_.solve(next_);
   projected_.conservativeResizeLike(MatrixXd::Zero(size(), size()));
-  const auto take_out = [&](Index from) {
+  const auto orthogonalise_from = [&](Index from) {
     const MatrixXd h = basis_.transposed_times(system_.mass_times(next_), from);
     basis_.subtract(h, next_, from);
     projected_.block(from, first, h.rows(), width) += h;
   };
-  // In exact arithmetic only the last two blocks matter; the full pass pulls out what rounding left of the
-  // others, which would grow like a weed.
-  take_out(std::max<Index>(0, first - block_size));
-  take_out(0);
+  // In exact arithmetic only the last two blocks matter; the full pass removes the rounding error of the
+  // other blocks, which would otherwise grow exponentially.
+  orthogonalise_from(std::max<Index>(0, first - block_size));
+  orthogonalise_from(0);
   projected_.block(first, 0, width, first) = projected_.block(0, first, first, width).transpose();
   coupling_ = orthonormalise();
 }
 
+// A V = V T + X B E^T, with X the next block and E the last block's columns of the identity: the Ritz pair
+// (theta, V s) of T s = theta s has the residual X B E^T s, of norm |B s_k|, where s_k are the last rows of
+// s. For symmetric A the error of theta is its square over the distance to the next eigenvalue.
 void BlockLanczos::project() {
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(projected_);
   values_ = solver.eigenvalues().reverse();
@@ -273,7 +285,7 @@ void BlockLanczos::project() {
   const Index width = coupling_.cols();
   converged_ = 0;
   while (converged_ < size() &&
-         (coupling_ * vectors_.col(converged_).tail(width)).norm() <= tolerance * values_[converged_]) {
+         (coupling_ * vectors_.col(converged_).tail(width)).norm() <= ritz_tolerance * values_[converged_]) {
     ++converged_;
   }
 }
@@ -282,8 +294,12 @@ MatrixXd BlockLanczos::ritz_vectors(Index first, Index count) const {
   return basis_.times(vectors_.middleCols(first, count));
 }
 
-// Makes the columns of the next block M-orthonormal, dropping those that depend on the others; returns R with
-// before = after R.
+// Makes the columns X of the next block M-orthonormal and returns R with X_before = X_after R.
+//
+// The Gram matrix G = X^T M X = Q D Q^T gives X <- X Q D^(-1/2) and R <- D^(1/2) Q^T R. Directions whose
+// eigenvalue is lost in the rounding of G depend on the others and are dropped. The second pass repairs what
+// rounding left of the first: small D are known to few digits, but after a division by their roots all
+// columns are of like length, and the Gram matrix is nearly the identity.
 MatrixXd BlockLanczos::orthonormalise() {
   mass_next_ = system_.mass_times(next_);
   MatrixXd r = MatrixXd::Identity(next_.cols(), next_.cols());
@@ -292,14 +308,13 @@ MatrixXd BlockLanczos::orthonormalise() {
     const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(gram);
     const Eigen::VectorXd& d = solver.eigenvalues();
     Index kept = 0;
-    while (kept < d.size() && d[d.size() - 1 - kept] > 1e-24 * d[d.size() - 1] && d[d.size() - 1 - kept] > 0)
-      ++kept;
+    while (kept < d.size() && d[d.size() - 1 - kept] > gram_noise * d[d.size() - 1]) ++kept;
     const MatrixXd q = solver.eigenvectors().rightCols(kept);
     const Eigen::VectorXd root = d.tail(kept).cwiseSqrt();
     r = root.asDiagonal() * q.transpose() * r;
-    const MatrixXd turn = q * root.cwiseInverse().asDiagonal();
-    next_ = next_ * turn;
-    mass_next_ = mass_next_ * turn;
+    const MatrixXd rotation = q * root.cwiseInverse().asDiagonal();
+    next_ = next_ * rotation;
+    mass_next_ = mass_next_ * rotation;
   }
   return r;
 }

@@ -1,14 +1,9 @@
-// The matrix of an elastic body, shifted, factorised once and solved many times: MUMPS, with a METIS ordering
-// of the nodes.
-//
-// Owns the factors (RAII, movable). MUMPS keeps global state, so its calls are serialised by a mutex: objects
-// may live on any thread, but only one works at a time. BLAS is set to one thread for the whole process, so
-// that the factors, and with them every mode, are the same on any machine. Cost: 75,000 degrees of freedom
-// take about 0.8 s, 190 MB, and 70 ms a solve. Source: Amestoy et al., "A fully asynchronous multifrontal
-// solver", 2001; Karypis & Kumar, METIS, 1998.
+// The lowest modes of an elastic body by block Lanczos, with the two things it is made of: the factorised
+// matrix (MUMPS) and the tall matrix of basis vectors (BLAS).
 #pragma once
 
 #include <Eigen/Core>
+#include <atomic>
 #include <memory>
 #include <vector>
 
@@ -17,13 +12,33 @@
 
 namespace intaglio::sound {
 
+// While one of these lives, OpenBLAS computes on one thread, so that factors, and with them every mode, are
+// the same on any machine. The number of threads is the process's: the last object to die restores what it
+// was. Another BLAS has no such setting and is left alone. Any thread.
+class SingleThreadedBlas {
+ public:
+  SingleThreadedBlas();
+  ~SingleThreadedBlas();
+  SingleThreadedBlas(const SingleThreadedBlas&) = delete;
+  SingleThreadedBlas& operator=(const SingleThreadedBlas&) = delete;
+};
+
+// The shifted matrix of an elastic body, factorised once and solved many times: MUMPS, with a METIS ordering
+// of the nodes.
+//
+// Owns the factors (RAII, movable). MUMPS keeps global state, so a mutex serialises its calls: objects may
+// live on any thread, but only one works at a time. Cost: 75,000 degrees of freedom take about 0.8 s, 190 MB,
+// and 70 ms per solve. Source: Amestoy et al., "A fully asynchronous multifrontal solver", 2001; Karypis &
+// Kumar, METIS, 1998.
+
 enum class Definiteness { positive, indefinite };
 
 class Factorisation {
  public:
-  // Factorises K - shift * M. Fails when it is singular, or, said to be positive definite, is not, or when
-  // memory runs out.
-  static Result<Factorisation> of(const ElasticSystem& system, double shift, Definiteness definiteness);
+  // Factorises K - shift * M. Fails if the matrix is singular, is not positive definite although declared so,
+  // memory runs out, or `stop` is set before the numerical phase begins.
+  static Result<Factorisation> factorise(const ElasticSystem& system, double shift, Definiteness definiteness,
+                                         const std::atomic<bool>* stop = nullptr);
 
   Factorisation(Factorisation&&) noexcept;
   Factorisation& operator=(Factorisation&&) noexcept;
@@ -33,7 +48,7 @@ class Factorisation {
   // several times faster than one by one.
   void solve(Eigen::MatrixXd& b) const;
 
-  // How many eigenvalues of the matrix are negative (Sylvester's law of inertia). Indefinite factorisations
+  // Number of negative eigenvalues of the matrix (Sylvester's law of inertia). Indefinite factorisations
   // only.
   int negative_eigenvalues() const;
 
@@ -44,10 +59,9 @@ class Factorisation {
   std::unique_ptr<Instance> instance_;
 };
 
-// A growing set of columns, each as long as a body has degrees of freedom, and the two products that
-// orthogonalising against them takes.
+// A tall, growing matrix of basis vectors, and the two products that orthogonalising against them takes.
 //
-// Kept in chunks, so that growing never copies; the products are BLAS's, which chooses its kernel by the
+// Stored in chunks, so that growing never copies; the products are BLAS's, which chooses its kernel by the
 // processor. Cost: both products together stream the basis through memory twice.
 
 class TallBasis {
@@ -71,28 +85,30 @@ class TallBasis {
   std::vector<Eigen::MatrixXd> chunks_;
 };
 
-// Block Lanczos for A = (K - sigma M)^-1 M: the largest eigenvalues theta of A are those lambda = 1 / theta +
-// sigma of K u = lambda M u that are nearest above sigma.
+// Block Lanczos for A = (K - sigma M)^-1 M: the largest eigenvalues theta of A are the eigenvalues
+// lambda = 1 / theta + sigma of K u = lambda M u that are nearest above sigma.
 //
 // The basis is kept M-orthogonal in full: after the recurrence against the last two blocks, one pass against
-// all. No restart. A block of eight meets degenerate modes together, and makes every solve and product eight
-// wide. Deterministic: the start block is seeded. Source: Grimes, Lewis, Simon, "A shifted block Lanczos
-// algorithm for solving sparse symmetric generalized eigenproblems", 1994.
+// all. No restart. A block of eight finds up to eightfold eigenvalues at once and lets solves and products
+// run on eight columns. Deterministic: the start block is seeded. Source: Grimes, Lewis, Simon, "A shifted
+// block Lanczos algorithm for solving sparse symmetric generalized eigenproblems", 1994.
 
 class BlockLanczos {
  public:
   static constexpr Eigen::Index block_size = 8;
 
-  // Both must outlive the growing. At most `most` vectors.
-  BlockLanczos(const Factorisation& shifted, const ElasticSystem& system, Eigen::Index most);
+  // Both must outlive the object. The basis holds at most `max_size` vectors.
+  BlockLanczos(const Factorisation& shifted, const ElasticSystem& system, Eigen::Index max_size);
 
   Eigen::Index size() const { return basis_.size(); }
-  bool is_full() const { return next_.cols() == 0 || size() + block_size > most_; }
-  void grow();
+  // No further block fits, or none is left: the basis spans an invariant subspace.
+  bool is_full() const { return next_.cols() == 0 || size() + block_size > max_size_; }
+  // Adds one block to the basis: one solve of eight columns.
+  void extend();
 
   // Solves the projected problem.
   void project();
-  // Of the last projection: how many of the largest values have converged, and they, descending.
+  // Results of the last projection: the number of converged leading values, and the values, descending.
   Eigen::Index converged() const { return converged_; }
   double value(Eigen::Index i) const { return values_[i]; }
   // M-orthonormal vectors of the values from `first` on.
@@ -103,11 +119,11 @@ class BlockLanczos {
 
   const Factorisation& shifted_;
   const ElasticSystem& system_;
-  Eigen::Index most_;
+  Eigen::Index max_size_;
   TallBasis basis_;
-  Eigen::MatrixXd next_, mass_next_;  // the block to come, and M times it
+  Eigen::MatrixXd next_, mass_next_;  // the next block, and M times it
   Eigen::MatrixXd projected_;         // T = V^T M A V
-  Eigen::MatrixXd coupling_;          // of the block to come with the last one
+  Eigen::MatrixXd coupling_;          // B: of the next block to the last one
   Eigen::VectorXd values_;
   Eigen::MatrixXd vectors_;
   Eigen::Index converged_ = 0;

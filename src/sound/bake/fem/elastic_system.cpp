@@ -6,13 +6,13 @@ namespace intaglio::sound {
 
 namespace {
 
-using assembling::Neighbours;
+using detail::Neighbours;
 
 // An all-zero matrix of the nodes.
 SparseMatrix zero_mass(const Neighbours& neighbours) {
-  const auto nodes = static_cast<Eigen::Index>(neighbours.size());
+  const auto nodes = Eigen::Index(neighbours.size());
   Eigen::Index entries = 0;
-  for (const auto& list : neighbours) entries += static_cast<Eigen::Index>(list.size());
+  for (const auto& list : neighbours) entries += Eigen::Index(list.size());
   SparseMatrix matrix(nodes, nodes);
   matrix.resizeNonZeros(entries);
   int next = 0;
@@ -27,7 +27,7 @@ SparseMatrix zero_mass(const Neighbours& neighbours) {
 
 // An all-zero lower triangle of the degrees of freedom.
 SparseMatrix zero_stiffness(const Neighbours& neighbours) {
-  const auto dofs = 3 * static_cast<Eigen::Index>(neighbours.size());
+  const auto dofs = 3 * Eigen::Index(neighbours.size());
   const auto first_below = [&](int node) {
     const auto& list = neighbours[std::size_t(node)];
     return std::lower_bound(list.begin(), list.end(), node);
@@ -49,11 +49,7 @@ SparseMatrix zero_stiffness(const Neighbours& neighbours) {
   return matrix;
 }
 
-}  // namespace
-
-namespace {
-
-// out = M in, where all that belongs to a node, `Width` numbers, lies together.
+// out = M in, with the `Width` numbers of each node contiguous.
 template <int Width>
 void multiply_nodes(const SparseMatrix& mass, Eigen::Index width, const double* in, double* out) {
   using Numbers = Eigen::Matrix<double, Width, 1>;
@@ -65,39 +61,7 @@ void multiply_nodes(const SparseMatrix& mass, Eigen::Index width, const double* 
   }
 }
 
-}  // namespace
-
-Eigen::MatrixXd ElasticSystem::mass_times(const Eigen::MatrixXd& x) const {
-  // Transposed, the three axes of a node in all columns lie together: one scalar of M meets them all.
-  const Eigen::MatrixXd in = x.transpose();
-  Eigen::MatrixXd out(in.rows(), in.cols());
-  if (x.cols() == 8) {
-    multiply_nodes<24>(mass, 24, in.data(), out.data());
-  } else {
-    multiply_nodes<Eigen::Dynamic>(mass, 3 * x.cols(), in.data(), out.data());
-  }
-  return out.transpose();
-}
-
-Eigen::MatrixXd ElasticSystem::stiffness_times(const Eigen::MatrixXd& x) const {
-  return stiffness.selfadjointView<Eigen::Lower>() * x;
-}
-
-ElasticSystem assembling::zero_system(const Neighbours& neighbours) {
-  return {zero_stiffness(neighbours), zero_mass(neighbours)};
-}
-
-ElasticSystem assemble(const TetMesh& mesh, const Material& material) {
-  return assemble_elements<10>(mesh.nodes.size(), mesh.tets, [&](std::size_t e) {
-    const ElementNodes nodes = element_nodes(mesh, mesh.tets[e]);
-    return ElementSystem<10>{element_stiffness(nodes, material), element_mass(nodes, material.density)};
-  });
-}
-
-namespace {
-
-// What every integral over an element needs at a quadrature point; the same for all elements, so computed
-// once.
+// Precomputed shape functions at a quadrature point: the same for all elements.
 struct ReferencePoint {
   double weight;
   ShapeValues value;
@@ -121,6 +85,37 @@ Mat3 jacobian_matrix(const ElementNodes& nodes, const ShapeGradients& gradient) 
 }
 
 }  // namespace
+
+Eigen::MatrixXd ElasticSystem::mass_times(const Eigen::MatrixXd& x) const {
+  // Transposed, the three axes of a node are contiguous over all columns: one scalar of M multiplies them
+  // all.
+  const Eigen::MatrixXd in = x.transpose();
+  Eigen::MatrixXd out(in.rows(), in.cols());
+  if (x.cols() == 8) {
+    multiply_nodes<24>(mass, 24, in.data(), out.data());
+  } else {
+    multiply_nodes<Eigen::Dynamic>(mass, 3 * x.cols(), in.data(), out.data());
+  }
+  return out.transpose();
+}
+
+Eigen::MatrixXd ElasticSystem::stiffness_times(const Eigen::MatrixXd& x) const {
+  return stiffness.selfadjointView<Eigen::Lower>() * x;
+}
+
+ElasticSystem detail::zero_system(const Neighbours& neighbours) {
+  return {zero_stiffness(neighbours), zero_mass(neighbours)};
+}
+
+ElasticSystem assemble(const TetMesh& mesh, const Material& material, const std::atomic<bool>* stop) {
+  return assemble_elements<10>(
+      mesh.nodes.size(), mesh.tets,
+      [&](std::size_t e) {
+        const ElementNodes nodes = element_nodes(mesh, mesh.tets[e]);
+        return ElementSystem<10>{element_stiffness(nodes, material), element_mass(nodes, material.density)};
+      },
+      stop);
+}
 
 const std::array<QuadraturePoint, 14>& tet_quadrature() {
   static const auto points = [] {

@@ -1,9 +1,10 @@
-// The stiffness and mass matrices of a whole body: K U = M U Lambda is what modal analysis solves.
+// Global stiffness and mass matrices: modal analysis solves K U = M U Lambda.
 #pragma once
 
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <array>
+#include <atomic>
 
 #include "intaglio/material.h"
 #include "sound/bake/fem/tet_mesh.h"
@@ -12,26 +13,36 @@ namespace intaglio::sound {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
-// Degrees of freedom are 3 * node + axis. Only what is needed once is held: at 400,000 nodes K alone is
-// 0.6 GB.
+// Degrees of freedom are 3 * node + axis. Only one copy of each entry is stored: at 400,000 nodes K alone
+// takes 0.6 GB.
 struct ElasticSystem {
   SparseMatrix stiffness;  // K, N/m: its lower triangle, compressed
-  SparseMatrix mass;       // M, kg: node by node, both triangles; the same for every axis
+  SparseMatrix mass;       // M, kg: one entry per pair of nodes, both triangles; the same for every axis
 
   Eigen::Index dofs() const { return stiffness.cols(); }
-  // M x and K x for a block of vectors, one a column. M costs about 60 ns a node and column.
+  // M x and K x for a block of vectors, one per column. M costs about 60 ns per node and column.
   Eigen::MatrixXd mass_times(const Eigen::MatrixXd& x) const;
   Eigen::MatrixXd stiffness_times(const Eigen::MatrixXd& x) const;
 };
 
-// About 25 microseconds a tetrahedron.
-ElasticSystem assemble(const TetMesh& mesh, const Material& material);
+// How a bake is stopped: `stop`, set from another thread or a signal handler, is read between steps, which
+// take tenths of a second, except for a numerical factorisation (block_lanczos.h). Null: never.
+inline bool stop_requested(const std::atomic<bool>* stop) {
+  return stop != nullptr && stop->load(std::memory_order_relaxed);
+}
+inline tl::unexpected<Error> bake_stopped() {
+  return fail("modal analysis", "was stopped");
+}
+
+// About 25 microseconds per tetrahedron. If `stop` is set meanwhile the matrices are incomplete.
+ElasticSystem assemble(const TetMesh& mesh, const Material& material,
+                       const std::atomic<bool>* stop = nullptr);
 
 // The ten-node isoparametric tetrahedron: stiffness and mass of one element of linear isotropic elasticity.
 //
 // Degrees of freedom are ordered node by node: (x, y, z) of node 0, then of node 1, and so on. SI units:
-// stiffness N/m, mass kg. Source: Zienkiewicz & Taylor, "The Finite Element Method", vol. 1. About 15
-// microseconds an element.
+// stiffness N/m, mass kg. Cost: about 15 microseconds per element. Source: Zienkiewicz & Taylor, "The Finite
+// Element Method", vol. 1.
 
 struct QuadraturePoint {
   std::array<double, 4> barycentric;
@@ -42,7 +53,7 @@ struct QuadraturePoint {
 // arbitrary dimension", 2000.
 const std::array<QuadraturePoint, 14>& tet_quadrature();
 
-using ElementNodes = Eigen::Matrix<double, 3, 10>;    // positions, one node a column
+using ElementNodes = Eigen::Matrix<double, 3, 10>;    // positions, one node per column
 using ShapeValues = Eigen::Matrix<double, 10, 1>;     // N_a
 using ShapeGradients = Eigen::Matrix<double, 3, 10>;  // grad N_a
 using ElementMatrix = Eigen::Matrix<double, 30, 30>;
@@ -63,7 +74,7 @@ double element_volume(const ElementNodes& nodes);
 ElementMatrix element_stiffness(const ElementNodes& nodes, const Material& material);
 ElementMass element_mass(const ElementNodes& nodes, double density);
 
-// Element matrices added up into the matrices of a whole body, for elements of N nodes each.
+// Sums element matrices into global ones, for elements of N nodes each.
 
 template <int N>
 struct ElementSystem {
@@ -71,21 +82,21 @@ struct ElementSystem {
   Eigen::Matrix<double, N, N> mass;  // the same for every axis
 };
 
-namespace assembling {
+namespace detail {
 
 using Neighbours = std::vector<std::vector<int>>;  // of each node, itself included, ascending
 
 // All-zero matrices of these nodes.
 ElasticSystem zero_system(const Neighbours& neighbours);
 
-}  // namespace assembling
+}  // namespace detail
 
-// `element_of(e)` gives the matrices of element e, whose nodes are `elements[e]`; a node may be named twice
-// if the matrices give its second naming nothing.
+// `element_of(e)` returns the matrices of element e, whose nodes are `elements[e]`; a node may appear twice
+// if its second entry is all zero. If `stop` is set meanwhile the matrices are incomplete.
 template <int N, class ElementOf>
 ElasticSystem assemble_elements(std::size_t node_count, const std::vector<std::array<int, N>>& elements,
-                                ElementOf element_of) {
-  assembling::Neighbours neighbours(node_count);
+                                ElementOf element_of, const std::atomic<bool>* stop = nullptr) {
+  detail::Neighbours neighbours(node_count);
   for (const auto& element : elements) {
     for (const int a : element)
       neighbours[std::size_t(a)].insert(neighbours[std::size_t(a)].end(), element.begin(), element.end());
@@ -94,27 +105,27 @@ ElasticSystem assemble_elements(std::size_t node_count, const std::vector<std::a
     std::sort(list.begin(), list.end());
     list.erase(std::unique(list.begin(), list.end()), list.end());
   }
-  ElasticSystem system = assembling::zero_system(neighbours);
+  ElasticSystem system = detail::zero_system(neighbours);
   double* const stiffness = system.stiffness.valuePtr();
   double* const mass = system.mass.valuePtr();
-  for (std::size_t e = 0; e < elements.size(); ++e) {
+  for (std::size_t e = 0; e < elements.size() && !stop_requested(stop); ++e) {
     const ElementSystem<N> element = element_of(e);
     for (int a = 0; a < N; ++a) {
       const int node = elements[e][std::size_t(a)];
       const auto& list = neighbours[std::size_t(node)];
-      const auto place_of = [&](int other) {
+      const auto index_of = [&](int other) {
         return std::lower_bound(list.begin(), list.end(), other) - list.begin();
       };
-      const auto diagonal = place_of(node);
+      const auto diagonal = index_of(node);
       for (int b = 0; b < N; ++b) {
         const int other = elements[e][std::size_t(b)];
-        const auto place = place_of(other);
-        mass[system.mass.outerIndexPtr()[node] + place] += element.mass(b, a);
+        const auto index = index_of(other);
+        mass[system.mass.outerIndexPtr()[node] + index] += element.mass(b, a);
         if (other < node) continue;
         for (int axis = 0; axis < 3; ++axis) {
-          // A column begins at its own diagonal: `axis` rows of the first block are above it.
+          // A column begins at its own diagonal: `axis` rows of the first block lie above it.
           double* const rows =
-              stiffness + system.stiffness.outerIndexPtr()[3 * node + axis] + 3 * (place - diagonal) - axis;
+              stiffness + system.stiffness.outerIndexPtr()[3 * node + axis] + 3 * (index - diagonal) - axis;
           for (int row = other == node ? axis : 0; row < 3; ++row)
             rows[row] += element.stiffness(3 * b + row, 3 * a + axis);
         }

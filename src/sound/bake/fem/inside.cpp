@@ -11,21 +11,24 @@ namespace intaglio::sound {
 namespace {
 
 constexpr int leaf_size = 8;
-constexpr double far_away = 3.5;  // radii, from where a branch is a dipole
+constexpr double far_field_radii = 3.5;  // distance in radii beyond which a branch is a dipole
 
 // Signed solid angle of a triangle. Source: van Oosterom & Strackee, 1983.
-double solid_angle(const Vec3& p, const std::array<Vec3, 3>& corners) {
+double triangle_solid_angle(const Vec3& p, const std::array<Vec3, 3>& corners) {
   const Vec3 a = corners[0] - p, b = corners[1] - p, c = corners[2] - p;
   const double la = a.norm(), lb = b.norm(), lc = c.norm();
   return 2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
 }
+
+constexpr double on_edge = 1e-9;         // of a barycentric weight
+constexpr double max_slant_sine = 1e-6;  // beyond the rim the offset to the nearest point is oblique
 
 }  // namespace
 
 WindingNumber::WindingNumber(const std::vector<Vec3>& points, const std::vector<Triangle>& triangles) {
   std::vector<int> order(triangles.size());
   std::iota(order.begin(), order.end(), 0);
-  build(order, points, triangles, 0, static_cast<int>(order.size()));
+  build(order, points, triangles, 0, int(order.size()));
   for (const int t : order) {
     const Triangle& corners = triangles[std::size_t(t)];
     corners_.push_back(
@@ -57,7 +60,7 @@ int WindingNumber::build(std::vector<int>& order, const std::vector<Vec3>& point
     for (std::size_t c = 0; c < 3; ++c)
       branch.radius = std::max(branch.radius, (corner(order[std::size_t(k)], c) - branch.middle).norm());
   }
-  const auto index = static_cast<int>(branches_.size());
+  const auto index = int(branches_.size());
   branches_.push_back(branch);
   if (end - first <= leaf_size) return index;
   Eigen::Index axis = 0;
@@ -73,27 +76,21 @@ int WindingNumber::build(std::vector<int>& order, const std::vector<Vec3>& point
   return index;
 }
 
-double WindingNumber::at(const Vec3& p) const {
-  return at(p, 0) / (4 * std::numbers::pi);
+double WindingNumber::value(const Vec3& p) const {
+  return solid_angle(p, 0) / (4 * std::numbers::pi);
 }
 
-double WindingNumber::at(const Vec3& p, int index) const {
+double WindingNumber::solid_angle(const Vec3& p, int index) const {
   const Branch& branch = branches_[std::size_t(index)];
   const Vec3 to = branch.middle - p;
   const double distance = to.norm();
-  if (distance > far_away * branch.radius) return to.dot(branch.dipole) / (distance * distance * distance);
-  if (branch.right != 0) return at(p, index + 1) + at(p, branch.right);
+  if (distance > far_field_radii * branch.radius)
+    return to.dot(branch.dipole) / (distance * distance * distance);
+  if (branch.right != 0) return solid_angle(p, index + 1) + solid_angle(p, branch.right);
   double sum = 0;
-  for (int k = branch.first; k < branch.end; ++k) sum += solid_angle(p, corners_[std::size_t(k)]);
+  for (int k = branch.first; k < branch.end; ++k) sum += triangle_solid_angle(p, corners_[std::size_t(k)]);
   return sum;
 }
-
-namespace {
-
-constexpr double on_edge = 1e-9;       // of a barycentric weight
-constexpr double straight_out = 1e-6;  // sine: past the rim, a foot on it is met at a slant
-
-}  // namespace
 
 ThickShell::ThickShell(const BodySurface& body, const SurfaceQuery& surface)
     : body_(body), surface_(surface) {
@@ -106,8 +103,8 @@ ThickShell::ThickShell(const BodySurface& body, const SurfaceQuery& surface)
   }
 }
 
-bool ThickShell::holds(const Vec3& p) const {
-  const auto foot = surface_.foot(p, 0.5 * body_.thickness);
+bool ThickShell::contains(const Vec3& p) const {
+  const auto foot = surface_.nearest_on_triangle(p, 0.5 * body_.thickness);
   if (!foot) return false;
   if (rim_.empty()) return true;
   const Triangle& t = body_.triangles[std::size_t(foot->triangle)];
@@ -120,11 +117,9 @@ bool ThickShell::holds(const Vec3& p) const {
     return false;
   }();
   if (!is_on_rim) return true;
-  const Vec3& o = body_.points[std::size_t(t[0])];
-  const Vec3 normal =
-      (body_.points[std::size_t(t[1])] - o).cross(body_.points[std::size_t(t[2])] - o).normalized();
+  const Vec3 normal = triangle_cross(body_.points, t).normalized();
   const Vec3 out = p - foot->point;
-  return out.cross(normal).norm() <= straight_out * body_.thickness;
+  return out.cross(normal).norm() <= max_slant_sine * body_.thickness;
 }
 
 }  // namespace intaglio::sound

@@ -14,14 +14,14 @@ namespace {
 // A lattice point moves to a cut nearer than this fraction of the edge: Labelle & Shewchuk's values.
 constexpr double long_snap = 0.24999, short_snap = 0.41189;
 constexpr int bisections = 12;
-constexpr double cells_clear = 8;  // that are asked about at once
+constexpr double max_clearance_cells = 8;  // max clearance query, in cells
 
 // Corners of the cells come first, then their middles; one cell of margin all round.
 class Lattice {
  public:
   explicit Lattice(const LatticeBox& box)
       : n_{box.cells[0] + 2, box.cells[1] + 2, box.cells[2] + 2}, cell_(box.cell) {
-    // A hair off, so that no point lies exactly on a face of the box.
+    // Slightly offset, so that no point lies exactly on a face of the box.
     origin_ = box.low - cell_ + 1e-6 * cell_.cwiseProduct(Vec3(1, -2, 3));
     corners_ = (n_[0] + 1) * (n_[1] + 1) * (n_[2] + 1);
   }
@@ -74,9 +74,9 @@ struct Cut {
   double t;  // where the surface is, from a to b
 };
 
-class Stuffing {
+class IsosurfaceStuffing {
  public:
-  Stuffing(const Lattice& lattice, const Solid& solid) : lattice_(lattice), solid_(solid) {}
+  IsosurfaceStuffing(const Lattice& lattice, const SolidQuery& solid) : lattice_(lattice), solid_(solid) {}
 
   CornerMesh fill() {
     find_signs();
@@ -90,11 +90,9 @@ class Stuffing {
 
  private:
   int sign(int v) const { return sign_[std::size_t(v)]; }
-  static std::uint64_t key(int a, int b) {
-    return static_cast<std::uint64_t>(a) << 32 | static_cast<std::uint64_t>(b);
-  }
+  static std::uint64_t key(int a, int b) { return std::uint64_t(a) << 32 | std::uint64_t(b); }
 
-  // Neighbours in the row mostly have the same sign, and a point clear of the surface can tell it.
+  // A point's clearance gives the sign of its neighbours in the row.
   void find_signs() {
     Vec3 from = Vec3::Zero();
     double clear = 0;
@@ -106,7 +104,7 @@ class Stuffing {
       }
       sign_.push_back(solid_.inside(p) ? 1 : -1);
       from = p;
-      clear = solid_.clearance ? solid_.clearance(p, cells_clear * lattice_.cell().maxCoeff()) : 0;
+      clear = solid_.clearance ? solid_.clearance(p, max_clearance_cells * lattice_.cell().maxCoeff()) : 0;
     }
   }
 
@@ -124,23 +122,23 @@ class Stuffing {
     for (const int a : tet) {
       for (const int b : tet) {
         if (sign(a) <= 0 || sign(b) >= 0) continue;
-        if (!cut_of_.try_emplace(key(a, b), static_cast<int>(cuts_.size())).second) continue;
+        if (!cut_of_.try_emplace(key(a, b), int(cuts_.size())).second) continue;
         cuts_.push_back({a, b, crossing(points_[std::size_t(a)], points_[std::size_t(b)])});
       }
     }
   }
 
-  // Moves each point onto the nearest cut of its edges, if that is near enough; the edge's other cuts vanish.
+  // Moves each point onto the nearest cut of its edges, if that is near enough; its other cuts vanish.
   void snap() {
-    std::vector<std::vector<int>> of_point(sign_.size());
+    std::vector<std::vector<int>> cuts_of_point(sign_.size());
     for (std::size_t c = 0; c < cuts_.size(); ++c) {
-      of_point[std::size_t(cuts_[c].a)].push_back(static_cast<int>(c));
-      of_point[std::size_t(cuts_[c].b)].push_back(static_cast<int>(c));
+      cuts_of_point[std::size_t(cuts_[c].a)].push_back(int(c));
+      cuts_of_point[std::size_t(cuts_[c].b)].push_back(int(c));
     }
     for (int v = 0; v < lattice_.size(); ++v) {
       double nearest = 1e300;
       Vec3 to = Vec3::Zero();
-      for (const int c : of_point[std::size_t(v)]) {
+      for (const int c : cuts_of_point[std::size_t(v)]) {
         const Cut& cut = cuts_[std::size_t(c)];
         const int other = cut.a == v ? cut.b : cut.a;
         if (sign(other) == 0) continue;
@@ -190,22 +188,15 @@ class Stuffing {
   }
 
   CornerMesh compact() {
-    std::vector<int> number(points_.size(), -1);
+    Renumbering number(points_.size());
     for (auto& tet : mesh_.tets) {
-      for (int& v : tet) {
-        int& n = number[std::size_t(v)];
-        if (n < 0) {
-          n = static_cast<int>(mesh_.points.size());
-          mesh_.points.push_back(points_[std::size_t(v)]);
-        }
-        v = n;
-      }
+      for (int& v : tet) v = number(v, [&](std::size_t point) { mesh_.points.push_back(points_[point]); });
     }
     return std::move(mesh_);
   }
 
   const Lattice& lattice_;
-  const Solid& solid_;
+  const SolidQuery& solid_;
   std::vector<Vec3> points_;
   std::vector<int> sign_;  // of lattice points: 1 inside, -1 outside, 0 moved onto the surface
   std::vector<Cut> cuts_;
@@ -219,9 +210,9 @@ class Stuffing {
 LatticeBox::LatticeBox(const Vec3& low_corner, const Vec3& high_corner, const Vec3& wanted)
     : low(low_corner), high(high_corner), cell(wanted), cells{1, 1, 1} {
   for (std::size_t k = 0; k < 3; ++k) {
-    const auto axis = static_cast<Eigen::Index>(k);
+    const auto axis = Eigen::Index(k);
     const double extent = high[axis] - low[axis];
-    cells[k] = static_cast<int>(std::clamp(std::round(extent / wanted[axis]), 1.0, 1e6));
+    cells[k] = int(std::clamp(std::round(extent / wanted[axis]), 1.0, 1e6));
     if (extent > 0) cell[axis] = extent / cells[k];
   }
 }
@@ -230,16 +221,16 @@ double LatticeBox::points() const {
   return 2 * (cells[0] + 2.0) * (cells[1] + 2.0) * (cells[2] + 2.0);
 }
 
-CornerMesh fill(const LatticeBox& box, const Solid& solid) {
-  return Stuffing(Lattice(box), solid).fill();
+CornerMesh fill_lattice(const LatticeBox& box, const SolidQuery& solid) {
+  return IsosurfaceStuffing(Lattice(box), solid).fill();
 }
 
 namespace {
 
-constexpr std::size_t candidates = 200;
-constexpr double least_share = 0.05;
-constexpr double alike = 1 - 1e-4;  // cosine between normals of one flat face
-constexpr double square = 1e-2;     // cosine between perpendicular ones
+constexpr std::size_t max_candidates = 200;
+constexpr double min_flat_share = 0.05;
+constexpr double min_parallel_cosine = 1 - 1e-4;   // cosine between normals of one flat face
+constexpr double max_perpendicular_cosine = 1e-2;  // cosine between perpendicular ones
 
 struct Facet {
   Vec3 normal;
@@ -249,7 +240,7 @@ struct Facet {
 double area_along(const std::vector<Facet>& facets, const Vec3& axis) {
   double sum = 0;
   for (const Facet& f : facets) {
-    if (std::abs(f.normal.dot(axis)) > alike) sum += f.area;
+    if (std::abs(f.normal.dot(axis)) > min_parallel_cosine) sum += f.area;
   }
   return sum;
 }
@@ -260,8 +251,7 @@ Mat3 flat_frame(const std::vector<Vec3>& points, const std::vector<Triangle>& tr
   std::vector<Facet> facets;
   double total = 0;
   for (const Triangle& t : triangles) {
-    const Vec3& o = points[std::size_t(t[0])];
-    const Vec3 cross = (points[std::size_t(t[1])] - o).cross(points[std::size_t(t[2])] - o);
+    const Vec3 cross = triangle_cross(points, t);
     if (cross.norm() > 0) facets.push_back({cross.normalized(), cross.norm()});
     total += cross.norm();
   }
@@ -269,20 +259,20 @@ Mat3 flat_frame(const std::vector<Vec3>& points, const std::vector<Triangle>& tr
                    [](const Facet& a, const Facet& b) { return a.area > b.area; });
   // The coordinate axes come first, and win a tie.
   std::vector<Vec3> axes{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
-  for (std::size_t k = 0; k < std::min(candidates, facets.size()); ++k) axes.push_back(facets[k].normal);
+  for (std::size_t k = 0; k < std::min(max_candidates, facets.size()); ++k) axes.push_back(facets[k].normal);
 
   Mat3 frame = Mat3::Identity();
-  double best = least_share * total;
+  double best = min_flat_share * total;
   for (const Vec3& axis : axes) {
     const double area = area_along(facets, axis);
     if (!(area > 1.000001 * best)) continue;
     best = area;
     frame.col(0) = axis;
   }
-  if (best == least_share * total) return Mat3::Identity();
+  if (best == min_flat_share * total) return Mat3::Identity();
   double second = -1;
   for (const Vec3& axis : axes) {
-    if (std::abs(axis.dot(frame.col(0))) > square) continue;
+    if (std::abs(axis.dot(frame.col(0))) > max_perpendicular_cosine) continue;
     const double area = area_along(facets, axis);
     if (!(area > 1.000001 * second)) continue;
     second = area;

@@ -19,11 +19,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double volume_tolerance = 0.05;  // of the body's
-constexpr double edge_of_cell = 0.65;      // an edge as long as gives as many elements as the lattice
-constexpr double flattest = 1e-9;          // volume of a tetrahedron over its longest edge cubed
+constexpr double volume_tolerance = 0.05;      // of the body's
+constexpr double netgen_edge_per_cell = 0.65;  // gives as many elements as the lattice
+constexpr double min_tet_volume = 1e-9;        // over the longest edge cubed
 
-// A folder that goes with whatever is in it.
+// Temporary directory, removed with its contents.
 struct TemporaryFolder {
   fs::path path;
   TemporaryFolder() {
@@ -38,7 +38,7 @@ struct TemporaryFolder {
   }
 };
 
-std::string request_of(const BodySurface& body, double size) {
+std::string make_request(const BodySurface& body, double size) {
   std::string text =
       fmt::format("intaglio-netgen 1\n{} {} {}\n", size, body.points.size(), body.triangles.size());
   for (const Vec3& p : body.points) text += fmt::format("{} {} {}\n", p.x(), p.y(), p.z());
@@ -46,7 +46,7 @@ std::string request_of(const BodySurface& body, double size) {
   return text;
 }
 
-// Numbers one after the other; whatever is none, or is missing, is remembered as broken.
+// Parser of whitespace-separated numbers with a sticky error flag.
 class Numbers {
  public:
   explicit Numbers(std::string_view text) : text_(text) {}
@@ -68,7 +68,7 @@ class Numbers {
 
 Result<CornerMesh> parse(std::string_view text, const std::string& program) {
   constexpr std::string_view head = "intaglio-tetrahedra 1\n";
-  const auto broken = [&] { return fail(program, "returned no mesh that can be read"); };
+  const auto broken = [&] { return fail(program, "returned an unreadable mesh"); };
   if (!text.starts_with(head)) return broken();
   Numbers numbers(text.substr(head.size()));
   const auto points = numbers.next<long>(), tets = numbers.next<long>();
@@ -94,12 +94,12 @@ Result<CornerMesh> parse(std::string_view text, const std::string& program) {
 }
 
 // Every tetrahedron has volume, all together the body's, and no face belongs to three.
-bool is_sound(const CornerMesh& mesh, const BodySurface& body) {
+bool is_valid(const CornerMesh& mesh, const BodySurface& body) {
   double sum = 0;
   std::map<std::array<int, 3>, int> uses;
   for (const auto& t : mesh.tets) {
     const auto at = [&](std::size_t k) -> const Vec3& { return mesh.points[std::size_t(t[k])]; };
-    const double v = std::abs((at(1) - at(0)).cross(at(2) - at(0)).dot(at(3) - at(0))) / 6;
+    const double v = std::abs(signed_volume(mesh.points, t));
     double longest = 0;
     for (std::size_t a = 0; a < 4; ++a) {
       for (std::size_t b = 0; b < a; ++b) longest = std::max(longest, (at(a) - at(b)).norm());
@@ -107,11 +107,16 @@ bool is_sound(const CornerMesh& mesh, const BodySurface& body) {
       std::sort(face.begin(), face.end());
       if (++uses[face] > 2) return false;
     }
-    if (!(v > flattest * longest * longest * longest)) return false;
+    if (!(v > min_tet_volume * longest * longest * longest)) return false;
     sum += v;
   }
   return std::abs(sum / body.volume - 1) < volume_tolerance;
 }
+
+constexpr double aligned_cosine = 0.985;       // 10 degrees
+constexpr double min_skew_length = 0.05;       // of all such edges, over the bounding box's diagonal
+constexpr std::size_t max_triangles = 20'000;  // for Netgen to be chosen automatically
+constexpr double max_seconds = 20;
 
 }  // namespace
 
@@ -129,18 +134,18 @@ fs::path find_netgen() {
 Result<FilledSurface> netgen_fill(const BodySurface& body, const FillOptions& options,
                                   const NetgenOptions& netgen, const std::string& name) {
   if (!body.is_closed() || body.thickness > 0)
-    return fail(name, "is no closed surface, which Netgen needs", "use --mesher lattice");
+    return fail(name, "is not closed, as Netgen requires", "use --mesher lattice");
   const fs::path program = netgen.program.empty() ? find_netgen() : netgen.program;
   if (program.empty())
     return fail(
         name, "cannot be filled by Netgen: there is no program intaglio-netgen",
         "install Debian's libnglib-dev (script/setup netgen) and build again, or use --mesher lattice");
   const TemporaryFolder folder;
-  if (folder.path.empty()) return fail(name, "no temporary folder can be made");
+  if (folder.path.empty()) return fail(name, "cannot create a temporary folder");
   const double thickness = 2 * body.volume / body.area;
   const double smallest = std::cbrt(body.volume * 6 / options.max_elements);
-  const double size = std::max(edge_of_cell * std::min(options.element_size, thickness), smallest);
-  if (auto written = write_file(folder.path / "request", request_of(body, size)); !written)
+  const double size = std::max(netgen_edge_per_cell * std::min(options.element_size, thickness), smallest);
+  if (auto written = write_file(folder.path / "request", make_request(body, size)); !written)
     return tl::unexpected(written.error());
   const auto in_context = [&](const Error& error) {
     return fail(name, error.message(), "use --mesher lattice, which fills any surface");
@@ -153,7 +158,7 @@ Result<FilledSurface> netgen_fill(const BodySurface& body, const FillOptions& op
   auto corners =
       parse({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, program.filename().string());
   if (!corners) return in_context(corners.error());
-  if (!is_sound(*corners, body))
+  if (!is_valid(*corners, body))
     return in_context({program.filename().string(), "returned tetrahedra that do not fill the body", ""});
   if (double(corners->tets.size()) > 1.5 * options.max_elements)
     return in_context({program.filename().string(),
@@ -168,43 +173,35 @@ Result<FilledSurface> netgen_fill(const BodySurface& body, const FillOptions& op
   return filled;
 }
 
-namespace {
-
-constexpr double along_cosine = 0.985;  // 10 degrees
-constexpr double least_skew = 0.05;     // of the bounding box's diagonal: length of such edges
-constexpr std::size_t most_triangles = 20'000;
-constexpr double most_seconds = 20;
-
-}  // namespace
-
 bool has_skew_edges(const BodySurface& body, double element_size) {
-  std::vector<SharpEdge> skew = sharp_edges_of(body);
-  const double least = least_skew * (body.high - body.low).norm();
-  if (!(length_of(skew, body) > least)) return false;
+  std::vector<SharpEdge> skew = find_sharp_edges(body);
+  const double least = min_skew_length * (body.high - body.low).norm();
+  if (!(total_length(skew, body) > least)) return false;
   const Mat3 axes = flat_frame(body.points, body.triangles);
-  const auto is_along = [&](const Vec3& n) {
-    return (axes.transpose() * n).cwiseAbs().maxCoeff() > along_cosine;
+  const auto is_aligned = [&](const Vec3& n) {
+    return (axes.transpose() * n).cwiseAbs().maxCoeff() > aligned_cosine;
   };
-  std::erase_if(skew, [&](const SharpEdge& e) { return is_along(e.left) && is_along(e.right); });
-  const double length = length_of(skew, body);
+  std::erase_if(skew, [&](const SharpEdge& e) { return is_aligned(e.left) && is_aligned(e.right); });
+  const double length = total_length(skew, body);
   return length > least && length * element_size < body.area;
 }
 
-Result<FilledSurface> fill_by(Mesher mesher, const BodySurface& body, const FillOptions& options,
-                              const NetgenOptions& netgen, const std::string& name) {
+Result<FilledSurface> fill_with(Mesher mesher, const BodySurface& body, const FillOptions& options,
+                                const NetgenOptions& netgen, const std::string& name) {
   if (mesher == Mesher::netgen) return netgen_fill(body, options, netgen, name);
   std::string note;
   if (mesher == Mesher::automatic && body.is_closed() && body.thickness == 0 && body.shells == 1 &&
-      body.triangles.size() <= most_triangles && has_skew_edges(body, options.element_size)) {
+      body.triangles.size() <= max_triangles && has_skew_edges(body, options.element_size)) {
     NetgenOptions limited = netgen;
-    limited.seconds = std::min(netgen.seconds, most_seconds);
+    limited.seconds = std::min(netgen.seconds, max_seconds);
     if (limited.program.empty() && find_netgen().empty()) {
       note =
-          "its sharp edges run across the lattice, which keeps most of them; Netgen, which is not installed (script/setup netgen), keeps them all";
+          "its sharp edges are not aligned with the lattice, which keeps most of them; install Netgen "
+          "(script/setup netgen) to keep all";
     } else {
       auto filled = netgen_fill(body, options, limited, name);
       if (filled) return filled;
-      note = fmt::format("Netgen could not fill it, so the lattice did ({})", filled.error().message());
+      note = fmt::format("Netgen failed ({}); used the lattice", filled.error().message());
     }
   }
   auto filled = fill_surface(body, options, name);

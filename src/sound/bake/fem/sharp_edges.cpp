@@ -11,19 +11,20 @@ namespace intaglio::sound {
 namespace {
 
 constexpr double sharp_cosine = 0.866;   // of the angle between normals: 30 degrees
-constexpr double corner_cosine = 0.766;  // of the turn of an edge: 40 degrees
-constexpr double thinnest = 1e-4;        // triangle, over the square of its longest side: others face nowhere
+constexpr double corner_cosine = 0.766;  // of the bend of an edge: 40 degrees
+// Twice the area over the longest side squared: thinner triangles have no reliable normal.
+constexpr double min_triangle_quality = 1e-4;
 
 }  // namespace
 
-std::vector<SharpEdge> sharp_edges_of(const BodySurface& body) {
-  // Zero of one that is too thin to have any.
+std::vector<SharpEdge> find_sharp_edges(const BodySurface& body) {
+  // Zero if the triangle is too thin to have one.
   const auto normal = [&](std::size_t t) {
     const auto& [a, b, c] = body.triangles[t];
     const Vec3& o = body.points[std::size_t(a)];
     const Vec3 p = body.points[std::size_t(b)] - o, q = body.points[std::size_t(c)] - o, n = p.cross(q);
     const double longest = std::max({p.squaredNorm(), q.squaredNorm(), (p - q).squaredNorm()});
-    return n.norm() > thinnest * longest ? Vec3(n.normalized()) : Vec3(Vec3::Zero());
+    return n.norm() > min_triangle_quality * longest ? Vec3(n.normalized()) : Vec3(Vec3::Zero());
   };
   struct Side {
     std::pair<int, int> edge;
@@ -42,7 +43,7 @@ std::vector<SharpEdge> sharp_edges_of(const BodySurface& body) {
   std::vector<SharpEdge> sharp;
   for (std::size_t k = 0, next = 0; k < sides.size(); k = next) {
     for (next = k; next < sides.size() && sides[next].edge == sides[k].edge;) ++next;
-    if (next - k != 2) continue;  // where more meet, which of them are neighbours is not known
+    if (next - k != 2) continue;  // if more meet, their neighbours are ambiguous
     const Vec3 left = normal(sides[k].triangle), right = normal(sides[k + 1].triangle);
     if (left.isZero(0) || right.isZero(0) || left.dot(right) >= sharp_cosine) continue;
     sharp.push_back({sides[k].edge.first, sides[k].edge.second, left, right});
@@ -50,7 +51,7 @@ std::vector<SharpEdge> sharp_edges_of(const BodySurface& body) {
   return sharp;
 }
 
-double length_of(const std::vector<SharpEdge>& edges, const BodySurface& body) {
+double total_length(const std::vector<SharpEdge>& edges, const BodySurface& body) {
   double length = 0;
   for (const SharpEdge& e : edges)
     length += (body.points[std::size_t(e.from)] - body.points[std::size_t(e.to)]).norm();
@@ -61,10 +62,10 @@ SharpEdges::SharpEdges(const BodySurface& body, const std::vector<SharpEdge>& ed
     : cell_(1.5 * reach) {
   for (const SharpEdge& edge : edges) {
     const Vec3 &from = body.points[std::size_t(edge.from)], &to = body.points[std::size_t(edge.to)];
-    const int index = static_cast<int>(segments_.size());
+    const int index = int(segments_.size());
     segments_.push_back({from, to});
-    // Some place of the segment within a quarter of a cell of any other: a query looks one cell around.
-    const int steps = 1 + static_cast<int>((to - from).norm() / (0.5 * cell_));
+    // Samples at most half a cell apart, since queries search the neighbouring cells.
+    const int steps = 1 + int((to - from).norm() / (0.5 * cell_));
     for (int k = 0; k <= steps; ++k) {
       std::vector<int>& list = in_cell_[cell_of(from + double(k) / steps * (to - from))];
       if (list.empty() || list.back() != index) list.push_back(index);
@@ -78,13 +79,13 @@ SharpEdges::Cell SharpEdges::cell_of(const Vec3& p) const {
 }
 
 void SharpEdges::find_corners(const BodySurface& body, const std::vector<SharpEdge>& edges) {
-  std::map<int, std::vector<Vec3>> ways;  // from each point along its sharp edges
+  std::map<int, std::vector<Vec3>> directions;  // from each point along its sharp edges
   for (const SharpEdge& e : edges) {
     const Vec3 along = (body.points[std::size_t(e.to)] - body.points[std::size_t(e.from)]).normalized();
-    ways[e.from].push_back(along);
-    ways[e.to].emplace_back(-along);
+    directions[e.from].push_back(along);
+    directions[e.to].emplace_back(-along);
   }
-  for (const auto& [point, along] : ways) {
+  for (const auto& [point, along] : directions) {
     if (along.size() > 2 || (along.size() == 2 && along[0].dot(along[1]) > -corner_cosine))
       corners_.push_back(body.points[std::size_t(point)]);
   }
@@ -113,22 +114,22 @@ namespace {
 
 using Tet = std::array<int, 4>;
 
-// In cells: how far a point moves to a corner or an edge, and an edge of elements lies from the one it cuts.
-constexpr double to_corner = 0.8, to_edge = 0.5, to_cut = 0.75;
-constexpr double least_cut = 0.06;  // of an edge's length: its middle lies so far off the surface
-constexpr double least_quality = 0.05, least_quality_split = 0.03;
+// In cells: reach of snapping to corners and edges, and of splitting.
+constexpr double corner_reach = 0.8, edge_reach = 0.5, cut_reach = 0.75;
+constexpr double min_cut_depth = 0.06;  // distance of an edge's middle from the surface, over its length
+constexpr double min_quality = 0.05, min_quality_split = 0.03;
 constexpr int split_rounds = 10;
 
-// Of a tetrahedron that may be either way round: 1 if regular, 0 if flat; negative the other way.
+// Quality of a tetrahedron: 1 if regular, 0 if flat, negative if inverted.
 double quality(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const double squares = (b - a).squaredNorm() + (c - a).squaredNorm() + (d - a).squaredNorm() +
                          (c - b).squaredNorm() + (d - b).squaredNorm() + (d - c).squaredNorm();
   return std::sqrt(2.0) * (b - a).cross(c - a).dot(d - a) / std::pow(squares / 6, 1.5);
 }
 
-class Sharpening {
+class EdgeRecovery {
  public:
-  Sharpening(CornerMesh& mesh, const SharpEdges& edges, const SurfaceQuery& surface, double cell)
+  EdgeRecovery(CornerMesh& mesh, const SharpEdges& edges, const SurfaceQuery& surface, double cell)
       : mesh_(mesh), edges_(edges), surface_(surface), cell_(cell), is_kept_(mesh.points.size(), false) {
     for (Tet& t : mesh_.tets) {
       if (quality_of(t) < 0) std::swap(t[2], t[3]);
@@ -151,7 +152,7 @@ class Sharpening {
     std::map<std::array<int, 3>, int> uses;
     for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
       for (std::size_t leave = 0; leave < 4; ++leave) {
-        tets_of_[std::size_t(mesh_.tets[t][leave])].push_back(static_cast<int>(t));
+        tets_of_[std::size_t(mesh_.tets[t][leave])].push_back(int(t));
         std::array<int, 3> face{};
         for (std::size_t k = 0; k < 3; ++k) face[k] = mesh_.tets[t][(leave + 1 + k) % 4];
         std::sort(face.begin(), face.end());
@@ -177,7 +178,7 @@ class Sharpening {
     };
     const double before = worst();
     mesh_.points[std::size_t(v)] = to;
-    if (worst() > std::min(least_quality, 0.9 * before)) {
+    if (worst() > std::min(min_quality, 0.9 * before)) {
       is_kept_[std::size_t(v)] = true;
       return true;
     }
@@ -190,7 +191,7 @@ class Sharpening {
       std::vector<std::pair<double, int>> near;
       for (const int v : boundary_points_) {
         const double distance = (at(v) - corner).norm();
-        if (distance < to_corner * cell_ && !is_kept_[std::size_t(v)]) near.emplace_back(distance, v);
+        if (distance < corner_reach * cell_ && !is_kept_[std::size_t(v)]) near.emplace_back(distance, v);
       }
       std::sort(near.begin(), near.end());
       for (const auto& candidate : near) {
@@ -203,19 +204,19 @@ class Sharpening {
     std::vector<std::pair<double, int>> near;
     for (const int v : boundary_points_) {
       if (is_kept_[std::size_t(v)]) continue;
-      if (const auto foot = edges_.nearest(at(v), to_edge * cell_))
+      if (const auto foot = edges_.nearest(at(v), edge_reach * cell_))
         near.emplace_back((*foot - at(v)).norm(), v);
     }
     std::sort(near.begin(), near.end());
     for (const auto& candidate : near) move(candidate.second, *edges_.nearest(at(candidate.second), cell_));
   }
 
-  // Where a sharp edge passes an edge of elements that cuts it off.
-  std::optional<Vec3> cut_by(int a, int b) const {
+  // Point of the sharp edge that element edge (a, b) cuts off.
+  std::optional<Vec3> sharp_edge_crossing(int a, int b) const {
     const Vec3 middle = 0.5 * (at(a) + at(b)), along = at(b) - at(a);
-    const double length = along.norm(), off = least_cut * length;
+    const double length = along.norm(), off = min_cut_depth * length;
     if (surface_.nearest(middle, off)) return std::nullopt;
-    const auto foot = edges_.nearest(middle, std::min(to_cut * cell_, 0.6 * length));
+    const auto foot = edges_.nearest(middle, std::min(cut_reach * cell_, 0.6 * length));
     if (!foot) return std::nullopt;
     const double place = (*foot - at(a)).dot(along) / (length * length);
     return place > 0.05 && place < 0.95 ? foot : std::nullopt;
@@ -224,7 +225,7 @@ class Sharpening {
   int split_cuts() {
     std::vector<std::pair<double, std::pair<int, int>>> cuts;
     for (const auto& [a, b] : boundary_edges_) {
-      if (cut_by(a, b)) cuts.push_back({-(at(a) - at(b)).norm(), {a, b}});
+      if (sharp_edge_crossing(a, b)) cuts.push_back({-(at(a) - at(b)).norm(), {a, b}});
     }
     std::sort(cuts.begin(), cuts.end());
     std::vector<bool> is_new(mesh_.tets.size(), false);
@@ -233,15 +234,15 @@ class Sharpening {
     return split;
   }
 
-  // At the sharp edge, or as far towards it as elements allow.
+  // At the sharp edge, or as near to it as elements allow.
   bool split_edge(int a, int b, std::vector<bool>& is_new) {
     std::vector<int> around;
     for (const int t : tets_of_[std::size_t(a)]) {
-      if (is_new[std::size_t(t)]) return false;  // its other half is not known here: in the next round
+      if (is_new[std::size_t(t)]) return false;  // already split in this round; handled in the next
       const Tet& tet = mesh_.tets[std::size_t(t)];
       if (std::find(tet.begin(), tet.end(), b) != tet.end()) around.push_back(t);
     }
-    const Vec3 middle = 0.5 * (at(a) + at(b)), foot = *cut_by(a, b);
+    const Vec3 middle = 0.5 * (at(a) + at(b)), foot = *sharp_edge_crossing(a, b);
     for (const double share : {1.0, 0.75, 0.5}) {
       if (split_at(middle + share * (foot - middle), a, b, around, is_new)) return true;
     }
@@ -249,14 +250,14 @@ class Sharpening {
   }
 
   bool split_at(const Vec3& place, int a, int b, const std::vector<int>& around, std::vector<bool>& is_new) {
-    const int middle = static_cast<int>(mesh_.points.size());
+    const int middle = int(mesh_.points.size());
     mesh_.points.push_back(place);
     std::vector<std::pair<Tet, Tet>> halves;
     for (const int t : around) {
       Tet first = mesh_.tets[std::size_t(t)], second = first;
       std::replace(first.begin(), first.end(), b, middle);
       std::replace(second.begin(), second.end(), a, middle);
-      if (!(std::min(quality_of(first), quality_of(second)) > least_quality_split)) {
+      if (!(std::min(quality_of(first), quality_of(second)) > min_quality_split)) {
         mesh_.points.pop_back();
         return false;
       }
@@ -284,7 +285,7 @@ class Sharpening {
 }  // namespace
 
 void keep_edges(CornerMesh& mesh, const SharpEdges& edges, const SurfaceQuery& surface, double cell) {
-  Sharpening(mesh, edges, surface, cell).run();
+  EdgeRecovery(mesh, edges, surface, cell).run();
 }
 
 }  // namespace intaglio::sound

@@ -1,7 +1,7 @@
 // The sharp edges of a body's surface, where two faces meet at more than 30 degrees, and the corners where
-// they meet or turn.
+// edges meet or bend.
 //
-// Immutable, any thread. Cost: a sort of the sides of all triangles; a query a few segments.
+// Immutable, any thread. Cost: a sort of the sides of all triangles; a query tests a few segments.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ struct SharpEdge {
   int from, to;      // points of the body
   Vec3 left, right;  // normals of its faces
 };
-std::vector<SharpEdge> sharp_edges_of(const BodySurface& body);
-double length_of(const std::vector<SharpEdge>& edges, const BodySurface& body);
+std::vector<SharpEdge> find_sharp_edges(const BodySurface& body);
+double total_length(const std::vector<SharpEdge>& edges, const BodySurface& body);
 
 class SharpEdges {
  public:
@@ -34,7 +34,7 @@ class SharpEdges {
   using Cell = std::array<std::int64_t, 3>;
   struct HashOf {
     std::size_t operator()(const Cell& c) const {
-      return static_cast<std::size_t>((c[0] * 73'856'093) ^ (c[1] * 19'349'663) ^ (c[2] * 83'492'791));
+      return std::size_t((c[0] * 73'856'093) ^ (c[1] * 19'349'663) ^ (c[2] * 83'492'791));
     }
   };
   Cell cell_of(const Vec3& p) const;
@@ -46,15 +46,14 @@ class SharpEdges {
   std::vector<Vec3> corners_;
 };
 
-// Gives a lattice's tetrahedra the sharp edges of the surface that they fill: the lattice alone cuts edges
-// off that run across it, which costs a body several per cent of pitch.
+// Restores sharp edges that a lattice cuts off, which would cost a body several per cent of pitch.
 //
 // Points of the boundary near a corner move onto it, those near an edge onto that; edges of elements that
-// still cut a sharp one off are split where it passes. Each step is taken only where every element it touches
-// stays well shaped, so nothing can fail: what cannot be kept stays cut off. Cost: some milliseconds for
-// 5,000 elements.
+// still cut a sharp edge off are split where it passes. Each step is taken only if every element it touches
+// stays well shaped, so it cannot fail; edges that cannot be restored stay cut off. Cost: some milliseconds
+// for 5,000 elements.
 
-// `cell` is that of the lattice, metres.
+// `cell`: size of a lattice cell, m.
 void keep_edges(CornerMesh& mesh, const SharpEdges& edges, const SurfaceQuery& surface, double cell);
 
 }  // namespace intaglio::sound

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <unordered_map>
 #include <vector>
 #include <fmt/format.h>
@@ -18,15 +19,14 @@ namespace intaglio::sound {
 
 namespace {
 
-// Makes each mid-edge node once, however many tetrahedra share the edge.
+// Creates each mid-edge node once, however many tetrahedra share the edge.
 class MidEdgeNodes {
  public:
   explicit MidEdgeNodes(std::vector<Vec3>& nodes) : nodes_(nodes) {}
 
   int between(int a, int b) {
-    const std::uint64_t key =
-        static_cast<std::uint64_t>(std::min(a, b)) << 32 | static_cast<std::uint64_t>(std::max(a, b));
-    const auto [found, is_new] = made_.try_emplace(key, static_cast<int>(nodes_.size()));
+    const std::uint64_t key = std::uint64_t(std::min(a, b)) << 32 | std::uint64_t(std::max(a, b));
+    const auto [found, is_new] = made_.try_emplace(key, int(nodes_.size()));
     if (is_new) {
       const Vec3 middle = 0.5 * (nodes_[std::size_t(a)] + nodes_[std::size_t(b)]);
       nodes_.push_back(middle);
@@ -39,15 +39,9 @@ class MidEdgeNodes {
   std::unordered_map<std::uint64_t, int> made_;
 };
 
-bool is_positive(const std::vector<Vec3>& nodes, const std::array<int, 4>& tet) {
-  const Vec3& origin = nodes[std::size_t(tet[0])];
-  const auto edge = [&](std::size_t corner) -> Vec3 { return nodes[std::size_t(tet[corner])] - origin; };
-  return edge(1).cross(edge(2)).dot(edge(3)) > 0;
-}
-
-std::vector<Triangle6> boundary_of(const std::vector<Tet10>& tets, MidEdgeNodes& mid_edge) {
-  std::map<std::array<int, 3>, std::pair<int, std::array<int, 3>>>
-      faces;  // sorted corners -> uses, outward corners
+std::vector<Triangle6> find_boundary_faces(const std::vector<Tet10>& tets, MidEdgeNodes& mid_edge) {
+  // Sorted corners -> number of uses, outward corners.
+  std::map<std::array<int, 3>, std::pair<int, std::array<int, 3>>> faces;
   for (const Tet10& tet : tets) {
     for (const auto& face : tet_faces) {
       const std::array<int, 3> outward{tet[std::size_t(face[0])], tet[std::size_t(face[1])],
@@ -72,19 +66,28 @@ std::vector<Triangle6> boundary_of(const std::vector<Tet10>& tets, MidEdgeNodes&
 
 }  // namespace
 
+DisjointSets::DisjointSets(std::size_t count) : parent_(count) {
+  std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+}
+
+std::size_t DisjointSets::root(std::size_t k) {
+  while (parent_[k] != k) k = parent_[k] = parent_[parent_[k]];
+  return k;
+}
+
 TetMesh quadratic_mesh(std::vector<Vec3> corners, std::vector<std::array<int, 4>> tets) {
   TetMesh mesh;
   mesh.nodes = std::move(corners);
   MidEdgeNodes mid_edge(mesh.nodes);
   for (auto& tet : tets) {
-    if (!is_positive(mesh.nodes, tet)) std::swap(tet[2], tet[3]);
+    if (!(signed_volume(mesh.nodes, tet) > 0)) std::swap(tet[2], tet[3]);
     Tet10 nodes{tet[0], tet[1], tet[2], tet[3]};
     for (std::size_t e = 0; e < tet_edges.size(); ++e) {
       nodes[4 + e] = mid_edge.between(tet[std::size_t(tet_edges[e][0])], tet[std::size_t(tet_edges[e][1])]);
     }
     mesh.tets.push_back(nodes);
   }
-  mesh.boundary = boundary_of(mesh.tets, mid_edge);
+  mesh.boundary = find_boundary_faces(mesh.tets, mid_edge);
   return mesh;
 }
 
@@ -95,8 +98,8 @@ double volume(const TetMesh& mesh) {
 }
 
 std::array<std::array<int, 4>, 3> prism_tets(std::array<int, 6> p) {
-  // Turn the prism until its smallest index is corner 0: about its axis, or upside down first.
-  const auto smallest = static_cast<std::size_t>(std::min_element(p.begin(), p.end()) - p.begin());
+  // Rotate the prism until its smallest index is corner 0: about its axis, or upside down first.
+  const auto smallest = std::size_t(std::min_element(p.begin(), p.end()) - p.begin());
   if (smallest >= 3) p = {p[3], p[5], p[4], p[0], p[2], p[1]};
   while (p[0] != *std::min_element(p.begin(), p.end())) p = {p[1], p[2], p[0], p[4], p[5], p[3]};
   if (std::min(p[1], p[5]) < std::min(p[2], p[4])) {
@@ -126,7 +129,7 @@ CornerMesh refined(const CornerMesh& coarse) {
   CornerMesh fine{coarse.points, {}};
   std::map<std::pair<int, int>, int> middles;
   const auto middle = [&](int a, int b) {
-    const auto [found, is_new] = middles.try_emplace(std::minmax(a, b), static_cast<int>(fine.points.size()));
+    const auto [found, is_new] = middles.try_emplace(std::minmax(a, b), int(fine.points.size()));
     if (is_new)
       fine.points.emplace_back(0.5 * (coarse.points[std::size_t(a)] + coarse.points[std::size_t(b)]));
     return found->second;
@@ -167,7 +170,7 @@ Disk hexagon(int rings) {
   std::map<std::pair<int, int>, int> index;  // lattice coordinates along 0 and 60 degrees
   for (int i = -rings; i <= rings; ++i) {
     for (int j = std::max(-rings, -rings - i); j <= std::min(rings, rings - i); ++j) {
-      index[{i, j}] = static_cast<int>(disk.points.size());
+      index[{i, j}] = int(disk.points.size());
       disk.points.emplace_back((i + 0.5 * j) / rings, 0.5 * std::numbers::sqrt3 * j / rings);
     }
   }
@@ -200,7 +203,7 @@ TetMesh ball(double radius, int level) {
   assert(radius > 0 && level >= 0);
   const std::vector<Vec3> corners = icosahedron_corners();
   CornerMesh icosahedron{corners, {}};
-  const int centre = static_cast<int>(corners.size());
+  const int centre = int(corners.size());
   icosahedron.points.emplace_back(Vec3::Zero());
   std::vector<Vec3> face_normals;  // scaled: 1 on the face
   for (const auto& [a, b, c] : icosahedron_faces) {
@@ -257,7 +260,7 @@ TetMesh box(const Vec3& size, int nx, int ny, int nz) {
 TetMesh cylinder(double radius, double length, int rings, int layers) {
   assert(radius > 0 && length > 0 && rings >= 1 && layers >= 1);
   const Disk disk = hexagon(rings);
-  const int stride = static_cast<int>(disk.points.size());
+  const int stride = int(disk.points.size());
   CornerMesh mesh;
   for (int layer = 0; layer <= layers; ++layer) {
     for (const Vec2& p : disk.points) mesh.points.emplace_back(p.x(), double(layer) / layers - 0.5, p.y());
@@ -279,17 +282,17 @@ TetMesh cylinder(double radius, double length, int rings, int layers) {
 
 namespace {
 
-constexpr double smallest = 1e-4, largest = 100;  // metres
+constexpr double min_size = 1e-4, max_size = 100;  // metres
 
-struct Named {
+struct NamedShape {
   const char* name;
   SolidShape::Kind kind;
   std::vector<char> keys;
   const char* example;
 };
 
-const std::array<Named, 4>& known_shapes() {
-  static const std::array<Named, 4> all{
+const std::array<NamedShape, 4>& known_shapes() {
+  static const std::array<NamedShape, 4> all{
       {{"sphere", SolidShape::Kind::sphere, {'r'}, "sphere:r=0.05"},
        {"box", SolidShape::Kind::box, {'x', 'y', 'z'}, "box:x=0.3,y=0.01,z=0.2"},
        {"plate", SolidShape::Kind::box, {'a', 't'}, "plate:a=0.3,t=0.01"},
@@ -297,15 +300,15 @@ const std::array<Named, 4>& known_shapes() {
   return all;
 }
 
-const Named* find(const std::string& text) {
+const NamedShape* find_shape(const std::string& text) {
   const std::string name = text.substr(0, text.find(':'));
-  for (const Named& shape : known_shapes()) {
+  for (const NamedShape& shape : known_shapes()) {
     if (text.find(':') != std::string::npos && name == shape.name) return &shape;
   }
   return nullptr;
 }
 
-Vec3 size_of(const Named& shape, const std::vector<double>& v) {
+Vec3 bounding_size(const NamedShape& shape, const std::vector<double>& v) {
   switch (shape.kind) {
     case SolidShape::Kind::sphere:
       return Vec3::Constant(2 * v[0]);
@@ -319,15 +322,15 @@ Vec3 size_of(const Named& shape, const std::vector<double>& v) {
 }  // namespace
 
 bool is_solid_shape(const std::string& text) {
-  return find(text) != nullptr;
+  return find_shape(text) != nullptr;
 }
 
 Result<SolidShape> solid_shape(const std::string& text) {
-  const Named* const shape = find(text);
+  const NamedShape* const shape = find_shape(text);
   if (!shape)
-    return fail(text, "is no built-in shape", "sphere, box, plate or cylinder, as in sphere:r=0.05");
+    return fail(text, "is not a built-in shape", "sphere, box, plate or cylinder, as in sphere:r=0.05");
   const std::string fix =
-      fmt::format("write it like {}, sizes between {} and {} m", shape->example, smallest, largest);
+      fmt::format("write it like {}, sizes between {} and {} m", shape->example, min_size, max_size);
   std::vector<double> values(shape->keys.size(), 0);
   std::string_view rest = std::string_view(text).substr(text.find(':') + 1);
   while (!rest.empty()) {
@@ -340,13 +343,13 @@ Result<SolidShape> solid_shape(const std::string& text) {
     double& value = values[std::size_t(key - shape->keys.begin())];
     if (value != 0) return fail(text, fmt::format("{} is given twice", *key), fix);
     const auto [end, error] = std::from_chars(part.data() + 2, part.data() + part.size(), value);
-    if (error != std::errc() || end != part.data() + part.size() || !(value >= smallest && value <= largest))
-      return fail(text, fmt::format("\"{}\" is no size", part), fix);
+    if (error != std::errc() || end != part.data() + part.size() || !(value >= min_size && value <= max_size))
+      return fail(text, fmt::format("\"{}\" is not a valid size", part), fix);
   }
   for (std::size_t k = 0; k < values.size(); ++k) {
     if (values[k] == 0) return fail(text, fmt::format("{} is missing", shape->keys[k]), fix);
   }
-  return SolidShape{shape->kind, size_of(*shape, values)};
+  return SolidShape{shape->kind, bounding_size(*shape, values)};
 }
 
 double SolidShape::volume() const {

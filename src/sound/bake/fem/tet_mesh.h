@@ -1,11 +1,12 @@
-// A solid body as ten-node tetrahedra: what modal analysis works on.
+// A solid body as ten-node tetrahedra: input of modal analysis.
 //
 // Nodes are in metres in the body's own frame. A tetrahedron lists its four corners, then its six mid-edge
-// nodes in the order of `tet_edges`; mid-edge nodes may lie off the straight edge, which is how a curved
-// surface is met. Corners are positively oriented: (c1 - c0) x (c2 - c0) . (c3 - c0) > 0.
+// nodes in the order of `tet_edges`; mid-edge nodes may lie off the straight edge, to follow curved surfaces.
+// Corners are positively oriented: (c1 - c0) x (c2 - c0) . (c3 - c0) > 0.
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,21 +32,60 @@ struct TetMesh {
   std::vector<Triangle6> boundary;
 };
 
-// Tetrahedra of four nodes, either way round.
+// Tetrahedra of four nodes, of either orientation.
 struct CornerMesh {
   std::vector<Vec3> points;
   std::vector<std::array<int, 4>> tets;
 };
 
-// The ten-node mesh of a mesh of corners: tetrahedra are turned positive, mid-edge nodes are made halfway,
-// and faces that belong to one tetrahedron only become the boundary. A tetrahedron of no volume is the
-// caller's error.
+// Numbers those of `count` points that are used, in the order of first use.
+class Renumbering {
+ public:
+  explicit Renumbering(std::size_t count) : number_(count, -1) {}
+
+  // The new number of a point; calls copy(point) at its first use.
+  template <class Copy>
+  int operator()(int point, Copy copy) {
+    int& number = number_[std::size_t(point)];
+    if (number < 0) {
+      number = used_++;
+      copy(std::size_t(point));
+    }
+    return number;
+  }
+  int used() const { return used_; }
+
+ private:
+  std::vector<int> number_;
+  int used_ = 0;
+};
+
+// Disjoint sets of the numbers below `count` (union-find).
+class DisjointSets {
+ public:
+  explicit DisjointSets(std::size_t count);
+
+  std::size_t root(std::size_t k);
+  void join(std::size_t k, std::size_t other) { parent_[root(k)] = root(other); }
+
+ private:
+  std::vector<std::size_t> parent_;
+};
+
+// Volume of a tetrahedron, m^3: positive if its corners are positively oriented.
+inline double signed_volume(const std::vector<Vec3>& points, const std::array<int, 4>& t) {
+  const Vec3& o = points[std::size_t(t[0])];
+  const Vec3 a = points[std::size_t(t[1])] - o, b = points[std::size_t(t[2])] - o,
+             c = points[std::size_t(t[3])] - o;
+  return a.cross(b).dot(c) / 6;
+}
+
+// The ten-node mesh of a mesh of corners: tetrahedra are oriented positively, mid-edge nodes lie halfway, and
+// faces of only one tetrahedron become the boundary. Precondition: every tetrahedron has volume.
 TetMesh quadratic_mesh(std::vector<Vec3> corners, std::vector<std::array<int, 4>> tets);
 
-// Volume in m^3, by the quadrature of the elements: of the curved body, not of its corners.
+// Volume of the curved body, m^3, by the quadrature of the elements.
 double volume(const TetMesh& mesh);
-
-// A prism of nodes as tetrahedra.
 
 // The three tetrahedra of a prism with bottom 0 1 2 under top 3 4 5. Every side face is cut from its corner
 // of smallest global index, so that neighbours agree: Dompierre et al., "How to subdivide pyramids, prisms
@@ -78,12 +118,12 @@ struct SolidShape {
 
   double volume() const;
   double area() const;
-  // Structured elements (tet_mesh.h) about as large as asked for, larger where more than `max_elements` would
+  // Structured elements (tet_mesh.h) about `element_size` in size, larger if more than `max_elements` would
   // be needed.
   TetMesh mesh(double element_size, int max_elements) const;
 };
 
-// Whether `text` means a shape and not a file: it starts with a shape's name and ":".
+// Whether `text` names a built-in shape: it starts with a shape's name and ":".
 bool is_solid_shape(const std::string& text);
 Result<SolidShape> solid_shape(const std::string& text);
 

@@ -1,4 +1,5 @@
-// Laws of merging modes: nothing is merged at 0, what is stated holds in rendered audio, what is heard stays.
+// Laws of merging modes: nothing is merged at 0, the stated error holds in rendered audio, audible modes
+// stay.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -37,7 +38,7 @@ std::vector<double> heard_energy(const std::vector<float>& x, const std::vector<
   return energy;
 }
 
-// Modes enough to fill bands, and dead within a second.
+// Enough modes to fill bands, all decayed within a second.
 const ModalModel& plastic_slab() {
   static const ModalModel model =
       bake(box({0.4, 0.012, 0.4}, 12, 1, 12), *find_material("plastic"), {"slab", {80, 20, 15'000}}).value();
@@ -46,16 +47,16 @@ const ModalModel& plastic_slab() {
 
 }  // namespace
 
-TEST_CASE("merging nothing at 0: the model is the same to the bit") {
+TEST_CASE("merging with 0 dB leaves the model the same to the bit") {
   ModalModel model = plastic_slab();
   merge_modes(model, 0);
   CHECK(model_bytes(model) == model_bytes(plastic_slab()));
-  CHECK(model.modes_found == 0);
+  CHECK(model.modes_before_merging == 0);
 }
 
-TEST_CASE("the energy in a band that modes are said to have is that of rendered audio") {
+TEST_CASE("the computed energy in a band is that of rendered audio") {
   const ModalModel& model = plastic_slab();
-  const HeardModes modes = heard_modes(model);
+  const AudibleModes modes = audible_modes(model);
   const std::vector<double> centres = band_centres(modes);
   Random random(1);
   double worst = 0;
@@ -76,15 +77,15 @@ TEST_CASE("the energy in a band that modes are said to have is that of rendered 
   CHECK(worst < 0.8);
 }
 
-TEST_CASE("merging: fewer modes, and no band of rendered audio errs by more than is stated") {
+TEST_CASE("merging leaves fewer modes, and no band of rendered audio errs by more than is stated") {
   const ModalModel& before = plastic_slab();
-  const HeardModes modes = heard_modes(before);
+  const AudibleModes modes = audible_modes(before);
   const std::vector<double> centres = band_centres(modes);
   std::vector<Mat3> floors;
   for (const double centre : centres) {
     Mat3 mean = Mat3::Zero();
     for (const Mat3& q : band_energy(modes, centre)) mean += q / double(before.points.size());
-    floors.push_back(node_share * mean);
+    floors.push_back(node_floor * mean);
   }
   int last = before.modes();
   for (const double allowed : {0.25, 0.5, 2.0}) {
@@ -93,7 +94,7 @@ TEST_CASE("merging: fewer modes, and no band of rendered audio errs by more than
     CHECK(merged.modes() < before.modes());
     CHECK(merged.modes() <= last);
     last = merged.modes();
-    CHECK(merged.modes_found == before.modes());
+    CHECK(merged.modes_before_merging == before.modes());
     CHECK(merged.merge_error_db <= allowed);
     CHECK(merged.merge_error_rms_db <= merged.merge_error_db);
     CHECK(merged.merge_error_db > 0);
@@ -117,28 +118,28 @@ TEST_CASE("merging: fewer modes, and no band of rendered audio errs by more than
   }
 }
 
-// The most that a mode has of the energy in its own band, over all points.
-double loudest_share(const HeardModes& modes, Eigen::Index m) {
+// Maximum share of a mode in the energy of its own band, over all points.
+double loudest_share(const AudibleModes& modes, Eigen::Index m) {
   const std::vector<Mat3> all = band_energy(modes, modes.angular_frequency[m] / (2 * std::numbers::pi));
   double mean = 0, most = 0;
   for (const Mat3& q : all) mean += q.trace() / double(all.size());
   for (std::size_t p = 0; p < all.size(); ++p) {
     const double own = modes.gain.block<3, 1>(3 * Eigen::Index(p), m).squaredNorm() / (4 * modes.damping[m]);
-    most = std::max(most, own / (all[p].trace() + node_share * mean));
+    most = std::max(most, own / (all[p].trace() + node_floor * mean));
   }
   return most;
 }
 
-TEST_CASE("merging keeps every pitch that is heard, within what is heard, and a model that reads back") {
+TEST_CASE("merging keeps every audible pitch within what is audible, and the model reads back") {
   for (const auto& model : {*test::small_ball(), *test::small_slab(), plastic_slab()}) {
-    const HeardModes heard = heard_modes(model);
+    const AudibleModes heard = audible_modes(model);
     ModalModel merged = model;
     merge_modes(merged, 1);
     for (int m = 0; m < std::min(10, model.modes()); ++m) {
       double nearest = 1;
       for (const double omega : merged.angular_frequency)
         nearest = std::min(nearest, std::abs(omega / model.angular_frequency[std::size_t(m)] - 1));
-      // Of a small plate the lowest modes radiate so little that louder ones cover them.
+      // The lowest modes of a small plate radiate so little that louder ones mask them.
       CHECK((nearest <= 0.002 || loudest_share(heard, m) < 0.01));
     }
     CHECK(std::is_sorted(merged.angular_frequency.begin(), merged.angular_frequency.end()));
@@ -146,7 +147,7 @@ TEST_CASE("merging keeps every pitch that is heard, within what is heard, and a 
     REQUIRE(back);
     CHECK(model_bytes(*back) == model_bytes(merged));
     CHECK(back->merge_error_db == merged.merge_error_db);
-    CHECK(back->modes_found == merged.modes_found);
+    CHECK(back->modes_before_merging == merged.modes_before_merging);
     CHECK(back->modes() == merged.modes());
   }
 }
@@ -174,7 +175,7 @@ TEST_CASE("a ball's degenerate modes become one a group and sound the same, samp
   CHECK(worst < 1e-3);
 }
 
-TEST_CASE("modes that beat are left alone, modes that do not are one, what is masked is left out") {
+TEST_CASE("modes that beat are left alone, modes that do not are merged, masked ones are dropped") {
   const auto after = [](std::vector<double> hertz, std::vector<double> damping,
                         std::vector<double> loudness) {
     ModalModel model = model_of(hertz, damping);
@@ -185,7 +186,7 @@ TEST_CASE("modes that beat are left alone, modes that do not are one, what is ma
     return model.modes();
   };
   CHECK(after({1000, 1001}, {1, 1}, {1, 1}) == 2);        // a second's beat, heard for seconds
-  CHECK(after({1000, 1000.1}, {20, 20}, {1, 1}) == 1);    // gone before it has turned
+  CHECK(after({1000, 1000.1}, {20, 20}, {1, 1}) == 1);    // decayed before it beats
   CHECK(after({1000, 1030}, {1000, 1000}, {1, 1}) == 2);  // short, but another pitch
   CHECK(after({1000, 1010}, {1, 1}, {1, 0.01}) == 1);     // 40 dB below in one band
   CHECK(after({1000, 4000}, {1, 1}, {1, 0.01}) == 2);     // the same, alone in its band

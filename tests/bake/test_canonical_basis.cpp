@@ -1,12 +1,11 @@
-// What is heard of modes of one frequency does not depend on which rotation of them a solver returns.
+// The sound of modes of equal frequency does not depend on which rotation of them a solver returns.
 #include <doctest/doctest.h>
 
 #include <Eigen/QR>
 #include <cmath>
-#include <numeric>
 #include <fmt/format.h>
+#include <numeric>
 
-#include "core/portable_math.h"
 #include "sound/bake/bake.h"
 #include "sound/bake/fem/fill_surface.h"
 #include "sound/bake/fem/modes.h"
@@ -14,6 +13,7 @@
 #include "sound/bake/radiation.h"
 #include "sound/modal_model.h"
 #include "sound/strike.h"
+#include "tests/bake/surfaces.h"
 #include "tests/sound/models.h"
 
 using namespace intaglio;
@@ -53,7 +53,7 @@ TetMesh prism(int sides) {
     surface.triangles.push_back({0, k + 1, k});
     surface.triangles.push_back({sides, sides + k, sides + k + 1});
   }
-  return fill_surface(surface, {0.02, 20'000}, "prism").value().mesh;
+  return test::fill_surface(surface, {0.02, 20'000}, "prism").value().mesh;
 }
 
 struct Body {
@@ -89,7 +89,7 @@ Difference compare(const std::vector<float>& a, const std::vector<float>& b) {
   return {10 * std::log10(difference / power + 1e-40), std::abs(10 * std::log10(other / power))};
 }
 
-// Both at the default place, and at some others in any direction: the worst.
+// The worst difference, struck at the default point and at some others in any direction.
 Difference compare_struck(const ModalModel& a, const ModalModel& b, Random& random) {
   Difference worst;
   const Vec3 place = default_strike_point(a);
@@ -103,13 +103,13 @@ Difference compare_struck(const ModalModel& a, const ModalModel& b, Random& rand
   return worst;
 }
 
-// The model as its own surface radiates: before it was sampled that was known better.
+// The model with the radiation of its own surface, which was more accurate before it was sampled.
 ModalModel as_sampled(ModalModel model) {
-  model.radiation = radiation_of(model, volume_velocity(model));
+  model.radiation = mode_radiation(model, volume_velocity(model));
   return model;
 }
 
-// Of a model: its shapes rotated within each group of one frequency, and its radiation computed for them.
+// A model with its shapes rotated within each group of equal frequency, and its radiation computed for them.
 ModalModel turned(const ModalModel& model, Random& random) {
   ModalModel out = model;
   const std::vector<Index> first = frequency_groups(model.angular_frequency);
@@ -125,7 +125,7 @@ ModalModel turned(const ModalModel& model, Random& random) {
 
 }  // namespace
 
-TEST_CASE("groups of one frequency: as many as there are, none cut") {
+TEST_CASE("groups of equal frequency are complete") {
   const std::vector<double> omega{1000, 1000 * (1 + 5e-7), 1000 * (1 + 1e-6), 1001, 2000, 2000};
   CHECK(frequency_groups(omega) == std::vector<Index>{0, 3, 4, 6});
   CHECK(frequency_groups({}) == std::vector<Index>{0});
@@ -144,13 +144,14 @@ TEST_CASE("groups of one frequency: as many as there are, none cut") {
   }
 }
 
-TEST_CASE("bodies struck sound the same in any basis of their modes of one frequency: -80 dB, 0.01 dB") {
+TEST_CASE("struck bodies sound the same in any basis of their modes of equal frequency: -80 dB, 0.01 dB") {
   const int rotations = std::getenv("INTAGLIO_SLOW") ? 20 : 2;
   for (const Body& body : bodies()) {
     const double mass = body.material.density * volume(body.mesh);
     const BakeOptions options{body.name, {24, 20, 20'000}};
     const Modes modes = *free_modes(assemble(body.mesh, body.material), options.modes);
-    const ModalModel model = model_of_modes(modes, boundary_surface(body.mesh), mass, body.material, options);
+    const ModalModel model =
+        make_modal_model(modes, boundary_surface(body.mesh), mass, body.material, options).value();
     const ModalModel sampled = as_sampled(model);
     const std::vector<Index> first = groups_of(modes);
     Random random(7);
@@ -165,7 +166,7 @@ TEST_CASE("bodies struck sound the same in any basis of their modes of one frequ
       make_canonical(other);
       basis = std::max(basis, (other.shape - modes.shape).norm() / modes.shape.norm());
       const ModalModel again =
-          model_of_modes(other, boundary_surface(body.mesh), mass, body.material, options);
+          make_modal_model(other, boundary_surface(body.mesh), mass, body.material, options).value();
       const Difference a = compare_struck(model, again, random),
                        b = compare_struck(sampled, turned(model, random), random);
       raw = {std::max(raw.difference_db, a.difference_db), std::max(raw.level_db, a.level_db)};
@@ -203,14 +204,14 @@ TEST_CASE("scaling and merging do not depend on the basis either") {
   }
 }
 
-TEST_CASE("near-equal modes: a rotation among them is heard as little as they beat slowly") {
-  // A pair that beats a thousandth of its decay: turned, it differs by about as much.
+TEST_CASE("a rotation among near-equal modes is the less audible the more slowly they beat") {
+  // A pair that beats at a thousandth of its decay rate: rotated, it differs by about as much.
   ModalModel pair = *test::small_slab();
   const double d = pair.damping[1];
   for (const double beat : {1e-3, 1e-2}) {
     pair.angular_frequency[2] = pair.angular_frequency[1] + beat * d;
     pair.damping[2] = d;
-    pair.radiation = radiation_of(pair, volume_velocity(pair));
+    pair.radiation = mode_radiation(pair, volume_velocity(pair));
     ModalModel other = pair;
     const double c = std::cos(0.7), s = std::sin(0.7);
     const std::size_t modes = std::size_t(pair.modes());
@@ -219,7 +220,7 @@ TEST_CASE("near-equal modes: a rotation among them is heard as little as they be
       other.shapes[row * modes + 1] = float(c * a + s * b);
       other.shapes[row * modes + 2] = float(c * b - s * a);
     }
-    other.radiation = radiation_of(other, volume_velocity(other));
+    other.radiation = mode_radiation(other, volume_velocity(other));
     Random random(3);
     const double difference = compare_struck(pair, other, random).difference_db;
     MESSAGE("beat of " << beat << " of the decay rate: " << difference << " dB");
@@ -229,7 +230,7 @@ TEST_CASE("near-equal modes: a rotation among them is heard as little as they be
 
 TEST_CASE("a mode that is alone radiates its root mean square over all directions, as before") {
   const auto slab = test::small_slab();
-  const Eigen::MatrixXd kin = kinship(slab->angular_frequency, slab->damping);
+  const Eigen::MatrixXd kin = coherence(slab->angular_frequency, slab->damping);
   CHECK((kin - kin.transpose()).norm() == 0);
   CHECK(kin.diagonal() == Eigen::VectorXd::Ones(slab->modes()));
   VibratingSurface surface{slab->points, slab->triangles,

@@ -11,7 +11,7 @@
 using namespace intaglio;
 using namespace intaglio::sound;
 
-TEST_CASE("a sampled model is smaller, closed, and rings under a blow as the whole one does") {
+TEST_CASE("a sampled model is smaller, closed, and rings under a blow as the full one does") {
   // Elements far smaller than the waves, as a thin body needs.
   const TetMesh mesh = box({0.3, 0.01, 0.3}, 20, 1, 20);
   const ModeOptions modes{20, 20, 20'000};
@@ -24,7 +24,7 @@ TEST_CASE("a sampled model is smaller, closed, and rings under a blow as the who
   CHECK(sampled->points.size() < 0.2 * double(whole->points.size()));
   CHECK(sampled->angular_frequency == whole->angular_frequency);
   CHECK(sampled->area == whole->area);
-  double louder = 0;  // of what each mode and its kin radiate, in decibels
+  double louder = 0;  // radiation of each mode's coherent group, in dB
   const Eigen::VectorXd of_sampled = test::radiated_power(*sampled, sampled->radiation),
                         of_whole = test::radiated_power(*whole, whole->radiation);
   for (Eigen::Index m = 0; m < 20; ++m)
@@ -59,7 +59,7 @@ TEST_CASE("a sampled model is smaller, closed, and rings under a blow as the who
     }
   }
   for (std::size_t m = 0; m < 20; ++m) {
-    if (size[m] < 1) continue;  // of a mode in the plane nobody strikes out of it
+    if (size[m] < 1) continue;  // an in-plane mode is not struck out of the plane
     CHECK(std::sqrt(error[m] / size[m]) < 0.08);
     // Between the points that are kept; which of a degenerate pair is which, and so the points, is the
     // compiler's.
@@ -67,7 +67,7 @@ TEST_CASE("a sampled model is smaller, closed, and rings under a blow as the who
   }
 }
 
-TEST_CASE("nothing is taken out where every point matters") {
+TEST_CASE("no point is removed where every point matters") {
   const auto model = bake(box({0.1, 0.1, 0.1}, 2, 2, 2), test::steel(), {"cube", {10, 20, 60'000}, {1e-6}});
   REQUIRE(model);
   CHECK(model->points.size() == 98);

@@ -1,4 +1,4 @@
-// What gets away of a vibration, against closed forms.
+// Radiation of vibrating surfaces, against closed forms.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -23,7 +23,7 @@ namespace {
 
 constexpr double rho_c = air_density * speed_of_sound;
 
-// Of a mesh of elements, each of its sides as one triangle: no finer than this needs.
+// The boundary of a mesh, each face of an element as one triangle: no finer than needed here.
 VibratingSurface surface_of(const TetMesh& mesh, const std::function<Vec3(const Vec3&)>& velocity) {
   ModalSurface fine = boundary_surface(mesh);
   VibratingSurface s{fine.points, fine.triangles, Eigen::MatrixXd(Eigen::Index(fine.triangles.size()), 1)};
@@ -65,39 +65,39 @@ double decibels(double ratio) {
 
 }  // namespace
 
-TEST_CASE("potentials of a triangle are those of many points on it") {
+TEST_CASE("the potentials of a triangle are those of many points on it") {
   Random random(5);
   const auto vec = [&] { return Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)); };
   for (int trial = 0; trial < 20; ++trial) {
     const Vec3 a = vec(), b = vec(), c = vec(), x = 1.5 * vec();
     const Vec3 cross = 0.5 * (b - a).cross(c - a);
-    double single = 0, twice = 0;
+    double single_layer = 0, double_layer = 0;
     const int cells = 400;
     for (int i = 0; i < cells; ++i) {
       for (int j = 0; j < cells - i; ++j) {
         for (const double shift : {1.0 / 3, 2.0 / 3}) {
           if (shift > 0.5 && j == cells - i - 1) continue;
           const Vec3 y = a + (i + shift) / cells * (b - a) + (j + shift) / cells * (c - a), way = x - y;
-          single += cross.norm() / (cells * cells) / way.norm();
-          twice += cross.dot(way) / (cells * cells) / std::pow(way.norm(), 3);
+          single_layer += cross.norm() / (cells * cells) / way.norm();
+          double_layer += cross.dot(way) / (cells * cells) / std::pow(way.norm(), 3);
         }
       }
     }
     const TrianglePotential p = triangle_potential(x, a, b, c);
-    CHECK(p.single == doctest::Approx(single).epsilon(1e-3));
-    CHECK(p.twice == doctest::Approx(twice).epsilon(2e-2));
+    CHECK(p.single_layer == doctest::Approx(single_layer).epsilon(1e-3));
+    CHECK(p.double_layer == doctest::Approx(double_layer).epsilon(2e-2));
   }
 }
 
-TEST_CASE("a sphere that breathes, shakes, and so on radiates as its closed form says") {
+TEST_CASE("the orders of a sphere, from pulsation up, radiate as in closed form") {
   const double a = 0.1;
-  // Orders that the mesh, not quite round, mixes with lower ones are told from 30 dB below these up.
+  // The mesh, not quite round, mixes orders with lower ones: they are compared from 30 dB below these up.
   const std::array<double, 4> from{0.02, 0.05, 0.1, 2}, worst{0.2, 1.2, 1.2, 1.6};
   for (int n = 0; n < 4; ++n) {
     CAPTURE(n);
     const VibratingSurface sphere = surface_of(
         ball(a, 2), [&](const Vec3& x) { return Vec3(legendre(n, x.normalized().y()) * x.normalized()); });
-    const Eigen::MatrixXd phi = near_potential(sphere.points, sphere.triangles, sphere.velocity);
+    const Eigen::MatrixXd phi = incompressible_potential(sphere.points, sphere.triangles, sphere.velocity);
     const double s = phi.col(0).dot(sphere.velocity.col(0)) / sphere.velocity.col(0).squaredNorm();
     CHECK(s == doctest::Approx(a / (n + 1)).epsilon(0.03));
     std::vector<double> k;
@@ -112,11 +112,11 @@ TEST_CASE("a sphere that breathes, shakes, and so on radiates as its closed form
   }
 }
 
-TEST_CASE("a disk that shakes along its axis is a dipole of known moment, however thin") {
+TEST_CASE("a disk that oscillates along its axis is a dipole of known moment, however thin") {
   const double a = 0.1, k = 0.2 / a;
   for (const double t : {0.03, 0.003, 0.0003}) {
     const VibratingSurface disk = surface_of(cylinder(a, t, 6, 1), [](const Vec3&) { return Vec3(0, 1, 0); });
-    // 8/3 rho a^3 of the air goes along, and what the disk displaces itself (thick ones move some more air).
+    // 8/3 rho a^3 of air moves along, and the volume of the disk itself (thick ones move some more air).
     const double moment = 8.0 / 3 * a * a * a + tau / 2 * a * a * t;
     const double exact = rho_c * k * k * moment / (2 * tau) / std::sqrt(3.0);
     const double off = decibels(pressures(disk, {k})[0] / exact);
@@ -126,7 +126,7 @@ TEST_CASE("a disk that shakes along its axis is a dipole of known moment, howeve
 }
 
 TEST_CASE(
-    "below k L = 1 the twist of a square plate falls by 24 dB an octave, its shake by 12, its breath by 6") {
+    "below k L = 1 the twist of a square plate falls by 24 dB per octave, its oscillation by 12, its pulsation by 6") {
   const TetMesh plate = box({0.3, 0.01, 0.3}, 10, 1, 10);
   const auto slope = [&](const std::function<Vec3(const Vec3&)>& velocity) {
     const std::vector<double> p = pressures(surface_of(plate, velocity), {0.6, 1.2});
@@ -139,13 +139,13 @@ TEST_CASE(
         doctest::Approx(6.0).epsilon(0.03));
 }
 
-TEST_CASE("above coincidence a plate that bends radiates as a piston does: rho c u over its faces" *
+TEST_CASE("above coincidence a bending plate radiates as a piston does: rho c u over its faces" *
           doctest::test_suite("statistics")) {
   const TetMesh plate = box({0.4, 0.01, 0.4}, 12, 1, 12);
   const double q = 3 * tau / 0.4, k = 3 * q;  // sound is three times slower than the bending wave
   const VibratingSurface bent =
       surface_of(plate, [&](const Vec3& x) { return Vec3(0, std::cos(q * x.x()) * std::cos(q * x.z()), 0); });
-  // Both faces' mean square, under the angle at which the wave leaves: power rho c A u^2 / cos over the
+  // Mean square of both faces, at the angle at which the wave leaves: power rho c A u^2 / cos over the
   // sphere.
   const auto off = [&](double wave_number) {
     const double cosine = std::sqrt(1 - 2 * q * q / (wave_number * wave_number));
@@ -157,12 +157,11 @@ TEST_CASE("above coincidence a plate that bends radiates as a piston does: rho c
   CHECK(std::abs(off(2 * q)) < 2);
   CHECK(std::abs(off(1.2 * std::sqrt(2) * q)) < 2);
   const double exact = rho_c * std::sqrt(2 * 0.4 * 0.4 / 4 / (2 * tau));
-  // Below it, what little is heard comes from corners and edges.
+  // Below it, the little that is radiated comes from corners and edges.
   CHECK(decibels(pressures(bent, {q / 3})[0] / exact) < -15);
 }
 
-TEST_CASE(
-    "what is baked is louder the more volume it moves; a hollow inside and the scale of things do not count") {
+TEST_CASE("a baked body is louder the more volume it moves; a cavity and the scale do not matter") {
   const auto model = test::small_slab();
   REQUIRE(model->radiation.size() == std::size_t(model->modes()));
   // The slab's first mode is a twist, and quieter than the third, a ring.
@@ -173,12 +172,12 @@ TEST_CASE(
   for (const auto& [a, b, c] : model->triangles)
     hollow.triangles.push_back({a + points, c + points, b + points});
   hollow.shapes.insert(hollow.shapes.end(), model->shapes.begin(), model->shapes.end());
-  const std::vector<double> radiation = radiation_of(hollow, volume_velocity(hollow));
-  const std::vector<double> without = radiation_of(*model, volume_velocity(*model));
+  const std::vector<double> radiation = mode_radiation(hollow, volume_velocity(hollow));
+  const std::vector<double> without = mode_radiation(*model, volume_velocity(*model));
   for (std::size_t m = 0; m < radiation.size(); ++m) CHECK(radiation[m] == without[m]);
 }
 
-TEST_CASE("an open shell of one side radiates from both, as the plate of its thickness does") {
+TEST_CASE("an open shell given as one sheet radiates from both sides, as the plate of its thickness does") {
   const double thickness = 0.008;
   ModalModel model =
       bake(box({0.3, thickness, 0.3}, 8, 1, 8), test::steel(), {"plate", {8, 20, 20'000}, {0}}).value();
@@ -189,18 +188,18 @@ TEST_CASE("an open shell of one side radiates from both, as the plate of its thi
   };
   std::erase_if(model.triangles, is_below);
   for (Vec3& p : model.points) p.y() = 0;
-  const std::vector<double> sheet = radiation_of(model, volume_velocity(model), thickness);
+  const std::vector<double> sheet = mode_radiation(model, volume_velocity(model), thickness);
   const Eigen::VectorXd of_solid = test::radiated_power(model, solid),
                         of_sheet = test::radiated_power(model, sheet);
   for (Eigen::Index m = 0; m < model.modes(); ++m) {
     CAPTURE(m);
-    // What moves within the plane radiates by its edges, which a sheet has not.
+    // In-plane motion radiates from the edges, which a sheet does not have.
     if (of_solid[m] > 0.01) CHECK(std::abs(10 * std::log10(of_sheet[m] / of_solid[m])) < 2);
   }
 }
 
-TEST_CASE("a slab that is struck is as loud as a plate without end: rho F / (2 pi m) at 1 m") {
-  // Of a force F on a plate of m kg/m^2 in air too light to matter. Source: Cremer, Heckl, Petersson, §6.
+TEST_CASE("a struck slab is as loud as an infinite plate: rho F / (2 pi m) at 1 m") {
+  // Force F on a plate of m kg/m^2, with negligible air load. Source: Cremer, Heckl, Petersson, §6.
   const auto model = test::small_slab();
   Strike strike;
   strike.mallet = {*find_material("steel"), 0.02};

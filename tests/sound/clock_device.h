@@ -1,5 +1,5 @@
-// An audio device whose clock the caller turns: it renders when told, in the caller's thread, and keeps what
-// it was given. For tests, and for offline mixes through the live path.
+// An audio device whose clock the caller advances: it renders on request, on the caller's thread, and records
+// its input. For tests, and for offline mixes through the live path.
 #pragma once
 
 #include <algorithm>

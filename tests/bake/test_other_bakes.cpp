@@ -5,8 +5,8 @@
 #include "sound/bake/bake.h"
 #include "sound/bake/fem/fill_surface.h"
 #include "sound/bake/fem/tet_mesh.h"
+#include "tests/bake/surfaces.h"
 #include "tests/sound/models.h"
-#include "tests/sound/surfaces.h"
 
 using namespace intaglio;
 using namespace intaglio::sound;
@@ -37,7 +37,7 @@ surface::TriangleMesh sheet(double side, int n) {
 
 }  // namespace
 
-TEST_CASE("linear elements: the same mass, sharp in pitch, less so the smaller they are") {
+TEST_CASE("linear elements have the same mass and are sharp in pitch, less so the smaller they are") {
   const Vec3 size(0.3, 0.01, 0.3);
   const Material ceramic = *find_material("ceramic");
   const ModeOptions modes{3, 20, 20'000};
@@ -70,7 +70,7 @@ TEST_CASE("a sheet with thickness is the plate") {
     CHECK(model->angular_frequency[m] / tau == doctest::Approx(expected[m]).epsilon(0.01));
 }
 
-TEST_CASE("a bowl with thickness rings though nothing closes it" * doctest::test_suite("statistics")) {
+TEST_CASE("an open bowl with a thickness rings" * doctest::test_suite("statistics")) {
   auto bowl = test::icosphere(0.1, 3);
   std::erase_if(bowl.triangles, [&](const auto& t) { return bowl.positions[std::size_t(t[0])].y() > 0; });
   const auto body = body_surface(bowl, "bowl.obj", 0.024);
@@ -91,7 +91,7 @@ TEST_CASE("a spring-mass shell: right mass, six rigid modes, a plate's bending b
   const Material ceramic = *find_material("ceramic");
   const auto body = body_surface(sheet(0.3, 24), "sheet.obj", 0.01);
   REQUIRE(body);
-  // Other than six rigid modes would be an error.
+  // Any number of rigid modes but six would be an error.
   const auto shell = bake_spring_shell(*body, 0.01, ceramic, {"sheet", {6, 20, 20'000}}, "sheet.obj");
   if (!shell) MESSAGE(shell.error().message());
   REQUIRE(shell);
@@ -102,7 +102,7 @@ TEST_CASE("a spring-mass shell: right mass, six rigid modes, a plate's bending b
   CHECK(shell->angular_frequency[0] / tau == doctest::Approx(381.3).epsilon(0.35));
   CHECK(shell->angular_frequency[1] / tau == doctest::Approx(554.5).epsilon(0.05));
   CHECK(shell->mass > 0);
-  // Bending goes as the thickness, the springs' own modes do not.
+  // Bending scales with the thickness, the springs' own modes do not.
   const auto thin = bake_spring_shell(*body, 0.005, ceramic, {"sheet", {6, 20, 20'000}}, "sheet.obj");
   REQUIRE(thin);
   CHECK(shell->angular_frequency[0] / thin->angular_frequency[0] == doctest::Approx(2).epsilon(0.01));

@@ -1,5 +1,5 @@
-// Laws of filling by another program: whatever it does, one error or a mesh that fills the body; and where
-// Netgen is there, known frequencies. Programs that misbehave are shell scripts.
+// Laws of filling by another program: whatever it does, one error or a mesh that fills the body; and if
+// Netgen is installed, known frequencies. Programs that misbehave are shell scripts.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -11,9 +11,9 @@
 #include "sound/bake/fem/mesher.h"
 #include "sound/bake/fem/modes.h"
 #include "sound/bake/fem/tet_mesh.h"
+#include "tests/bake/surfaces.h"
 #include "tests/skipped.h"
 #include "tests/sound/models.h"
-#include "tests/sound/surfaces.h"
 #include "tests/temporary_folder.h"
 
 using namespace intaglio;
@@ -55,14 +55,14 @@ BodySurface pentagon() {
   return body_surface(test::mesh_of(points, faces), "pentagon").value();
 }
 
-Eigen::VectorXd hertz(const TetMesh& mesh, int count) {
+Eigen::VectorXd mode_frequencies(const TetMesh& mesh, int count) {
   return free_modes(assemble(mesh, test::steel()), {count, 20, 1e5}).value().angular_frequency / tau;
 }
 
 }  // namespace
 
 TEST_CASE(
-    "a filler that hangs, crashes, fails or returns rubbish is one error, and the lattice fills instead") {
+    "a mesher that hangs, crashes, fails or returns garbage is one error, and the lattice fills instead") {
   const struct {
     const char *commands, *says;
   } all[]{
@@ -83,16 +83,16 @@ TEST_CASE(
     INFO(std::string(misbehaviour.commands));
     const Script script(misbehaviour.commands);
     const NetgenOptions netgen{script.path, 0.5, 1000};
-    const auto filled = fill_by(Mesher::netgen, body, {0.02, 2000}, netgen, "bar.obj");
+    const auto filled = fill_with(Mesher::netgen, body, {0.02, 2000}, netgen, "bar.obj");
     REQUIRE_FALSE(filled);
     const std::string message = filled.error().message();
     CHECK(message.starts_with("bar.obj"));
     CHECK(message.find(misbehaviour.says) != std::string::npos);
     CHECK(message.find('\n') == std::string::npos);
-    const auto instead = fill_by(Mesher::automatic, body, {0.02, 2000}, netgen, "bar.obj");
+    const auto instead = fill_with(Mesher::automatic, body, {0.02, 2000}, netgen, "bar.obj");
     REQUIRE(instead);
     REQUIRE_FALSE(instead->notes.empty());
-    CHECK(instead->notes.back().find("Netgen could not fill it") != std::string::npos);
+    CHECK(instead->notes.back().find("Netgen failed") != std::string::npos);
     CHECK(volume(instead->mesh) == doctest::Approx(body.volume).epsilon(0.05));
   }
 }
@@ -102,17 +102,17 @@ TEST_CASE("without Netgen the error names the package, and automatic goes by the
   const std::string kept = before ? before : "";
   setenv("INTAGLIO_NETGEN", "/not/there", 1);
   CHECK(find_netgen().empty());
-  const auto filled = fill_by(Mesher::netgen, pentagon(), {0.02, 2000}, {}, "bar.obj");
+  const auto filled = fill_with(Mesher::netgen, pentagon(), {0.02, 2000}, {}, "bar.obj");
   REQUIRE_FALSE(filled);
   CHECK(filled.error().message().find("libnglib-dev") != std::string::npos);
-  const auto instead = fill_by(Mesher::automatic, pentagon(), {0.02, 2000}, {}, "bar.obj");
+  const auto instead = fill_with(Mesher::automatic, pentagon(), {0.02, 2000}, {}, "bar.obj");
   REQUIRE(instead);
   CHECK(instead->notes.back().find("script/setup netgen") != std::string::npos);
   if (before) setenv("INTAGLIO_NETGEN", kept.c_str(), 1);
   if (!before) unsetenv("INTAGLIO_NETGEN");
 }
 
-TEST_CASE("automatic sends only what the lattice would cut to Netgen") {
+TEST_CASE("automatic chooses Netgen only for bodies whose edges the lattice would cut off") {
   CHECK(has_skew_edges(pentagon(), 0.02));
   CHECK_FALSE(has_skew_edges(pentagon(), 0.1));  // finer than an element
   CHECK_FALSE(has_skew_edges(body_surface(test::icosphere(0.1, 3), "ball").value(), 0.02));
@@ -120,7 +120,7 @@ TEST_CASE("automatic sends only what the lattice would cut to Netgen") {
   auto askew = test::cuboid({0.3, 0.1, 0.2});
   const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   for (Vec3& p : askew.positions) p = turn * p;
-  CHECK_FALSE(has_skew_edges(body_surface(askew, "box").value(), 0.02));  // the lattice turns with it
+  CHECK_FALSE(has_skew_edges(body_surface(askew, "box").value(), 0.02));  // the lattice is rotated with it
 }
 
 TEST_CASE("Netgen's elements have known frequencies, and its limits hold") {
@@ -134,7 +134,7 @@ TEST_CASE("Netgen's elements have known frequencies, and its limits hold") {
   const auto bar = netgen_fill(body_surface(askew, "bar").value(), {0.012, 20'000}, {}, "bar");
   if (!bar) MESSAGE(bar.error().message());
   REQUIRE(bar);
-  const Eigen::VectorXd exact = hertz(box({0.3, 0.05, 0.04}, 20, 4, 4), 6), ours = hertz(bar->mesh, 6);
+  const Eigen::VectorXd exact = mode_frequencies(box({0.3, 0.05, 0.04}, 20, 4, 4), 6), ours = mode_frequencies(bar->mesh, 6);
   const double worst = (ours.array() / exact.array() - 1).abs().maxCoeff();
   MESSAGE(fmt::format("bar, {} elements: worst {:.3f} %", bar->mesh.tets.size(), 100 * worst));
   CHECK(worst < 0.003);
@@ -143,7 +143,7 @@ TEST_CASE("Netgen's elements have known frequencies, and its limits hold") {
       netgen_fill(body_surface(test::icosphere(0.1, 4), "ball").value(), {0.03, 20'000}, {}, "ball");
   REQUIRE(ball);
   const double unit = std::sqrt(test::steel().shear_modulus() / 7850) / (tau * 0.1);
-  const Eigen::VectorXd sphere = hertz(ball->mesh, 10) / unit;  // Lamb: 2.50113 (5), 2.64622 (5)
+  const Eigen::VectorXd sphere = mode_frequencies(ball->mesh, 10) / unit;  // Lamb: 2.50113 (5), 2.64622 (5)
   MESSAGE(fmt::format("ball, {} elements: {:.5f} to {:.5f}, {:.5f} to {:.5f}", ball->mesh.tets.size(),
                       sphere[0], sphere[4], sphere[5], sphere[9]));
   CHECK((sphere.head(5).array() / 2.50113 - 1).abs().maxCoeff() < 0.003);

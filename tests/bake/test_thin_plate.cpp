@@ -1,7 +1,7 @@
 // The free thin square plate without any mesh: Rayleigh-Ritz with products of Legendre polynomials, which
-// settles what NAFEMS FV12 should be held to. Ritz values lie above the exact ones of thin-plate theory, so
+// settles which values NAFEMS FV12 is held to. Ritz values lie above the exact ones of thin-plate theory, so
 // any figure above a Ritz value is not exact. Prints a table:
-//   build/release/tests/test_sound -tc='*thin square plate*' -s
+//   build/release/tests/test_bake -tc='*thin square plate*' -s
 // Source of the energy: Leissa, "Vibration of Plates", NASA SP-160, 1969.
 #include <doctest/doctest.h>
 
@@ -67,7 +67,7 @@ TEST_CASE(
     "the free thin square plate has Gorman's frequencies, and NAFEMS FV12's listed 4.233 and 7.416 Hz lie above") {
   const VectorXd coarse = ritz_values(0.3, 13, 6), fine = ritz_values(0.3, 17, 6);
   CHECK(((coarse - fine).array() >= -1e-8).all());               // from above
-  CHECK((coarse.array() / fine.array() - 1).maxCoeff() < 1e-6);  // and it has come to rest
+  CHECK((coarse.array() / fine.array() - 1).maxCoeff() < 1e-6);  // and they have converged
   const double h = 0.05, a = 10, rigidity = 200e9 * h * h * h / (12 * (1 - 0.09));
   const double unit = std::sqrt(rigidity / (8000 * h)) / (tau * a * a);
   const std::array<double, 6> gorman{13.468, 19.596, 24.270, 34.801, 34.801, 61.093},
@@ -79,7 +79,7 @@ TEST_CASE(
   REQUIRE(modes->angular_frequency.size() == 7);  // the sixth is one of a pair
   for (Index i = 0; i < 6; ++i) {
     const double hertz = fine[i] * unit, ours = modes->angular_frequency[i] / tau;
-    const auto k = static_cast<std::size_t>(i);
+    const auto k = std::size_t(i);
     MESSAGE(fmt::format(
         "lambda {:.4f}: {:.4f} Hz; Gorman {:.3f}; listed {:.3f} ({:+.2f} %); ours {:.4f} ({:+.3f} %, "
         "{:+.3f} % of the listed)",

@@ -16,7 +16,7 @@ double factorial(int n) {
   return std::tgamma(n + 1.0);
 }
 
-// A tetrahedron with all ten nodes pushed about: curved edges on every side.
+// A tetrahedron with all ten nodes displaced: curved edges on every side.
 ElementNodes bent_tet() {
   ElementNodes nodes;
   nodes.leftCols<4>() << 0, 1, 0.1, 0.2, 0, 0.1, 0.9, 0.3, 0, 0, -0.1, 1.1;

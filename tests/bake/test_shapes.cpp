@@ -79,7 +79,7 @@ TEST_CASE("the boundary is closed, faces outward, and encloses the volume") {
   }
 }
 
-TEST_CASE("every node is used, centred, and on the surface where it should be") {
+TEST_CASE("every node is used, centred, and, if on the boundary, on the surface") {
   for (const Named& shape : all_shapes()) {
     CAPTURE(shape.name);
     std::set<int> used;

@@ -5,8 +5,17 @@
 #include <numbers>
 
 #include "mesh/triangle_mesh.h"
+#include "sound/bake/fem/fill_surface.h"
 
 namespace intaglio::sound::test {
+
+// Any mesh, prepared and filled.
+inline Result<FilledSurface> fill_surface(const surface::TriangleMesh& mesh, const FillOptions& options,
+                                          const std::string& name) {
+  const auto body = body_surface(mesh, name);
+  if (!body) return tl::unexpected(body.error());
+  return sound::fill_surface(*body, options, name);
+}
 
 inline surface::TriangleMesh mesh_of(std::vector<Vec3> points, std::vector<surface::Triangle> triangles) {
   surface::TriangleMesh mesh;
@@ -28,7 +37,7 @@ inline surface::TriangleMesh icosphere(double radius, int level) {
   for (; level > 0; --level) {
     std::map<std::pair<int, int>, int> middles;
     const auto middle = [&](int a, int b) {
-      const auto [at, is_new] = middles.try_emplace(std::minmax(a, b), static_cast<int>(points.size()));
+      const auto [at, is_new] = middles.try_emplace(std::minmax(a, b), int(points.size()));
       if (is_new) points.push_back(0.5 * (points[std::size_t(a)] + points[std::size_t(b)]));
       return at->second;
     };
@@ -70,7 +79,7 @@ inline surface::TriangleMesh turned(surface::TriangleMesh mesh, const Quat& rota
 // Both in one mesh, the second one moved.
 inline surface::TriangleMesh together(surface::TriangleMesh a, const surface::TriangleMesh& b,
                                       const Vec3& by) {
-  const auto first = static_cast<int>(a.positions.size());
+  const auto first = int(a.positions.size());
   for (const Vec3& p : b.positions) a.positions.emplace_back(p + by);
   for (const auto& [i, j, k] : b.triangles) a.triangles.push_back({first + i, first + j, first + k});
   return mesh_of(std::move(a.positions), std::move(a.triangles));

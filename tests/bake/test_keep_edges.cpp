@@ -1,5 +1,5 @@
-// Laws of sharp edges that run across the lattice: elements stay whole, and frequencies are those of meshes
-// made to measure.
+// Laws of sharp edges that run across the lattice: elements stay valid, and frequencies are those of meshes
+// made for the purpose.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -9,8 +9,8 @@
 #include "sound/bake/bake.h"
 #include "sound/bake/fem/mesher.h"
 #include "sound/bake/fem/tet_mesh.h"
+#include "tests/bake/surfaces.h"
 #include "tests/sound/models.h"
-#include "tests/sound/surfaces.h"
 
 using namespace intaglio;
 using namespace intaglio::sound;
@@ -71,7 +71,7 @@ BodySurface surface_of(const Ring& ring) {
   std::vector<surface::Triangle> faces;
   for (const Triangle6& f : coarse.boundary) {
     for (std::size_t k = 0; k < 3; ++k) points.push_back(coarse.nodes[std::size_t(f[k])]);
-    const int end = static_cast<int>(points.size());
+    const int end = int(points.size());
     faces.push_back({end - 3, end - 2, end - 1});
   }
   return body_surface(test::mesh_of(points, faces), ring.name).value();
@@ -82,7 +82,7 @@ Eigen::ArrayXd hertz(const TetMesh& mesh, int count) {
          tau;
 }
 
-// Sides of the boundary that have not one face on each side: a crack between elements opens some.
+// Sides of the boundary without exactly one face on each side: a crack between elements opens some.
 int open_sides(const TetMesh& mesh) {
   std::map<std::pair<int, int>, int> balance;
   for (const Triangle6& f : mesh.boundary) {
@@ -110,7 +110,7 @@ TEST_CASE("bodies whose sharp edges run across the lattice ring within some per 
     const int count = 20;
     const double size = element_size(body.volume, body.area, test::steel(), {count, 20, 20'000});
     CHECK(has_skew_edges(body, size));
-    const auto filled = fill_surface(body, {at_skew_edges * size, 40'000}, ring.name);
+    const auto filled = fill_surface(body, {skew_edge_size_factor * size, 40'000}, ring.name);
     REQUIRE(filled);
     CHECK(filled->notes.empty());
     CHECK(open_sides(filled->mesh) == 0);

@@ -1,19 +1,19 @@
-// Meshes as people have them, each written as a file and baked as the command does it: a model that rings, of
-// the mass that is known, or one line that says why not. Never an empty model, never silence.
+// Meshes as people have them, each written as a file and baked as the command does it: a model that rings,
+// with the known mass, or one line that says why not. Never an empty model, never silence.
 #include <doctest/doctest.h>
 
 #include <cmath>
 #include <cstdlib>
-#include <optional>
 #include <fmt/format.h>
+#include <optional>
 
 #include "core/portable_math.h"
 #include "mesh/mesh_file.h"
 #include "sound/bake/bake.h"
 #include "sound/bake/fem/fill_surface.h"
 #include "sound/model_file.h"
+#include "tests/bake/surfaces.h"
 #include "tests/sound/models.h"
-#include "tests/sound/surfaces.h"
 
 using namespace intaglio;
 using namespace intaglio::sound;
@@ -26,8 +26,8 @@ struct Hard {
   std::string name;
   std::string obj;
   double volume = 0;         // of a body that must ring, m^3, within 3 %; 0: any
-  std::string refusal = {};  // what the one line must say; empty: it must ring
-  bool either = false;       // a good model or a reason, both are right
+  std::string refusal = {};  // the one line must contain this; empty: it must ring
+  bool either = false;       // a good model or a reason: both are right
 };
 
 std::string as_obj(const TriangleMesh& mesh) {
@@ -73,7 +73,7 @@ TriangleMesh torus(double around, double thick) {
   });
 }
 
-// Every triangle with corners of its own.
+// Every triangle with corners of its own, none shared.
 TriangleMesh unwelded(const TriangleMesh& mesh, double gap, std::uint64_t seed) {
   Random random(seed);
   std::vector<Vec3> points;
@@ -193,11 +193,11 @@ std::vector<Hard> broken_ones() {
       {"a bent sheet", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 .4\nf 1 2 3\nf 2 4 3\n", 0, "volume|open"},
       {"Moebius strip", as_obj(test::mesh_of(band, strip)), 0, "volume|open"},
       {"Klein bottle", as_obj(klein), 0, {}, true},
-      {"two shells apart", as_obj(test::together(ball, ball, Vec3(0.5, 0, 0))), 0, "2 loose parts"},
-      {"cubes that share an edge", as_obj(test::together(cube, cube, Vec3(0.2, 0.2, 0))), 0, "loose parts",
-       true},
-      {"cubes that share a corner", as_obj(test::together(cube, cube, Vec3(0.2, 0.2, 0.2))), 0, "loose parts",
-       true},
+      {"two shells apart", as_obj(test::together(ball, ball, Vec3(0.5, 0, 0))), 0, "2 disconnected parts"},
+      {"cubes that share an edge", as_obj(test::together(cube, cube, Vec3(0.2, 0.2, 0))), 0,
+       "disconnected parts", true},
+      {"cubes that share a corner", as_obj(test::together(cube, cube, Vec3(0.2, 0.2, 0.2))), 0,
+       "disconnected parts", true},
       {"random triangles", as_obj(soup(200)), 0, {}, true},
       {"only triangles of no area", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\nf 1 1 2\n", 0, "area|volume"},
       {"no triangles", "v 0 0 0\nv 1 0 0\n", 0, "no "},
@@ -267,22 +267,22 @@ void check(const Hard& hard, int elements) {
 
 }  // namespace
 
-TEST_CASE("hard meshes with an inside ring" * doctest::test_suite("statistics")) {
+TEST_CASE("difficult meshes with an inside ring" * doctest::test_suite("statistics")) {
   const auto all = closed_ones();
   for (const Hard& hard : all) check(hard, 10'000);
 }
 
-TEST_CASE("broken meshes ring or say why not") {
+TEST_CASE("broken meshes ring or give a reason") {
   const auto all = broken_ones();
   for (const Hard& hard : all) check(hard, 10'000);
 }
 
 TEST_CASE("a million triangles") {
-  // 80,000 always; 1.3 million when there is time.
+  // 80,000 always; 1.3 million if there is time.
   const auto ball = test::icosphere(0.1, std::getenv("INTAGLIO_SLOW") ? 8 : 6);
   auto rough = jittered(ball, 1e-5);
   check({"many triangles", as_obj(ball), 0.0041888}, 3000);
-  // As many triangles as there are, the pitch is Lamb's.
+  // However many triangles there are, the pitch is Lamb's.
   const Outcome baked = bake_file({"many triangles", as_obj(ball)}, 3000);
   REQUIRE(baked.model);
   const double unit = std::sqrt(test::steel().shear_modulus() / 7850) / (tau * 0.1);

@@ -36,11 +36,11 @@ TEST_CASE("what is no shape is said so") {
   CHECK_FALSE(is_solid_shape("C:r=1"));
 }
 
-TEST_CASE("elements shrink with frequency, and do not for modes that nobody wants") {
+TEST_CASE("elements shrink with frequency, but not for modes that are not requested") {
   const auto size = [](double hertz, int count) {
     return element_size(0.09 * 0.01, 2 * 0.09, test::steel(), {count, 20, hertz});
   };
   CHECK(size(2000, 1000) > size(10'000, 1000));
-  // The rigid ones are modes, too.
+  // Rigid modes count, too.
   CHECK(size(1e6, 100) == doctest::Approx(std::sqrt(1006.0 / 106) * size(1e6, 1000)));
 }

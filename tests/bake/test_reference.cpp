@@ -1,10 +1,9 @@
 // Every case of closed-form and Ritz frequencies that is known: solid spheres (Lamb's equation), and cube,
 // plates and bar by a Legendre-basis Ritz computation that is independent of any mesh; the free thin square
-// plate is NAFEMS FV12, of that modes 10 to 12 as thin-plate theory has them, since NAFEMS's own 4.233 and
-// 7.416 Hz lie above an upper bound of the exact ones (test_thin_plate.cpp). Three of
-// the cube's groups are exact Lame modes or alike by accident, not by symmetry: the mesh splits them. Prints
-// a table:
-//   build/release/tests/test_sound -tc='*known frequencies*' -s
+// plate is NAFEMS FV12, with modes 10 to 12 as thin-plate theory has them, since NAFEMS's own 4.233 and 7.416
+// Hz lie above an upper bound of the exact ones (test_thin_plate.cpp). Three of the cube's groups are exact
+// Lame modes or equal by coincidence, not by symmetry: the mesh splits them. Prints a table:
+//   build/release/tests/test_bake -tc='*known frequencies*' -s
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -100,7 +99,7 @@ TEST_CASE("known frequencies: each case of the reference, its degenerate groups 
     INFO(std::string(c.name));
     int count = 0;
     for (const Group& g : c.groups) count += g.count;
-    // One more tells where the last group ends.
+    // One more shows where the last group ends.
     const double highest = 1.2 * c.groups.back().value * c.unit;
     const auto modes = free_modes(assemble(c.mesh, c.material), {count, 0.2, highest});
     if (!modes) MESSAGE(modes.error().message());
