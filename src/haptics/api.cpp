@@ -182,7 +182,7 @@ Vec3 ServoLoop::take_surface_impulse(Vec3* angular) {
 TouchTiming ServoLoop::timing() const {
   const haptics::ServoLoop& loop = impl_->loop;
   return {loop.wake_up().max(),          loop.wake_up().quantile(0.99), loop.compute().max(),
-          loop.compute().quantile(0.99), loop.skipped_ticks(),               loop.priority()};
+          loop.compute().quantile(0.99), loop.skipped_ticks(),          loop.priority()};
 }
 
 TouchReport ServoLoop::tick(const TouchScene& scene) {
