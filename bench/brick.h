@@ -24,7 +24,7 @@ inline surface::Texels upsampled(const surface::Surface& from, int size) {
   out.normal.reserve(out.depth.capacity());
   for (int j = 0; j < size; ++j) {
     for (int i = 0; i < size; ++i) {
-      const surface::Smooth s = from.smooth({(i + 0.5) / size, (j + 0.5) / size});
+      const surface::SmoothHeight s = from.smooth({(i + 0.5) / size, (j + 0.5) / size});
       out.depth.push_back(float(std::clamp(-s.height / from.max_depth(), 0.0, 1.0)));
       out.normal.push_back(Vec3(-s.gradient.x(), -s.gradient.y(), 1).normalized());
     }

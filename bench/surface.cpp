@@ -65,7 +65,7 @@ Row timed(int size, const std::string& what, int queries, const std::function<do
 // The nearest point by trying every cell that could hold it.
 double brute_distance(const Surface& s, const Vec3& p) {
   const auto [under_i, under_j] = s.cell_at(p.x(), p.y());
-  double best2 = nearest(SeenPatch(s.cell(under_i, under_j), p)).distance2;
+  double best2 = nearest(LocalPatch(s.cell(under_i, under_j), p)).distance2;
   const double reach = std::sqrt(best2);
   const auto [i0, j0] = s.cell_at(p.x() - reach, p.y() - reach);
   const auto [i1, j1] = s.cell_at(p.x() + reach, p.y() + reach);
@@ -74,7 +74,7 @@ double brute_distance(const Surface& s, const Vec3& p) {
       const Cell c = s.cell(i, j);
       const Vec3 low(c.x0, c.y0, c.min_z()), high(c.x1, c.y1, c.max_z());
       if ((p - p.cwiseMax(low).cwiseMin(high)).squaredNorm() < best2)
-        best2 = std::min(best2, nearest(SeenPatch(c, p)).distance2);
+        best2 = std::min(best2, nearest(LocalPatch(c, p)).distance2);
     }
   }
   return std::sqrt(best2);
@@ -112,7 +112,7 @@ double pyramid_milliseconds(const Surface& s) {
     const double start = cpu_seconds();
     const Pyramid pyramid(depths, s.grid());
     best = std::min(best, (cpu_seconds() - start) * 1e3);
-    sink = sink + pyramid.whole().deep;
+    sink = sink + pyramid.total_range().deep;
   }
   return best;
 }
@@ -139,16 +139,16 @@ void measure(int size, std::vector<Row>& rows) {
     return x.depth + x.normal.x() + x.gradient.x() + x.roughness;
   });
   add("smooth, footprint 0", n, [&](int k) {
-    const Smooth x = s.smooth(p.uv[at(k)], 0);
+    const SmoothHeight x = s.smooth(p.uv[at(k)], 0);
     return x.height + x.gradient.x();
   });
   add("smooth, 6 texels", n, [&](int k) {
-    const Smooth x = s.smooth(p.uv[at(k)], 6 * texel);
+    const SmoothHeight x = s.smooth(p.uv[at(k)], 6 * texel);
     return x.height + x.gradient.x();
   });
   add("normal", n, [&](int k) { return s.normal(p.uv[at(k)]).x(); });
   add("extent, 2 cm square", n,
-      [&](int k) { return extent(s, p.uv[at(k)], p.uv[at(k)] + Vec2(0.02, 0.02)).high; });
+      [&](int k) { return height_range(s, p.uv[at(k)], p.uv[at(k)] + Vec2(0.02, 0.02)).high; });
   add("closest_point, contact", n, [&](int k) { return closest_point(s, p.contact[at(k)])->distance; });
   const double ours = rows.back().median;
   add("closest_point, path", n, [&](int k) { return closest_point(s, p.path[at(k)])->distance; });

@@ -180,9 +180,9 @@ void print_summary(const nlohmann::json& result, const BakeArguments& options) {
 
 int run(const BakeArguments& options, const Common& common) {
   const Stopwatch all;
-  const auto material = named_material(options.material);
+  const auto material = load_material(options.material);
   if (!material) return report(material.error());
-  if (auto named = check_named(options.output, ".modes", "a model"); !named) return report(named.error());
+  if (auto named = check_extension(options.output, ".modes", "a model"); !named) return report(named.error());
   if (auto writable = check_writable(options.output); !writable) return report(writable.error());
   if (options.thickness > 0 && sound::is_solid_shape(options.mesh))
     return report(
@@ -196,7 +196,7 @@ int run(const BakeArguments& options, const Common& common) {
     return report({options.mesh, "a spring-mass shell needs a thickness", "give --thickness METRES"});
   const auto source = source_hash(options, *material);
   if (!source) return report(source.error());
-  session::Progress progress("bake", common.quiet);
+  Progress progress("bake", common.quiet);
   sound::ModeOptions modes = mode_options(options);
   progress.update(0.02, "filling the surface");
   const auto body = make_elements(options, *material, modes);

@@ -1,22 +1,22 @@
 // intaglio bake --all DIR --material M -o DIR -j N
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 
 #include <algorithm>
-#include <cerrno>
+#include <chrono>
 #include <filesystem>
+#include <list>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <thread>
+#include <utility>
 
 #include "command/bake.h"
 #include "core/file.h"
 #include "core/hash.h"
+#include "core/process.h"
 #include "core/toml.h"
 #include "sound/bake/fem/tet_mesh.h"
 #include "sound/model_file.h"
-
-extern char** environ;
 
 namespace intaglio::app {
 
@@ -69,10 +69,9 @@ bool is_up_to_date(const Job& job, const BakeArguments& job_options, const Mater
 }
 
 // Spawns this executable for one mesh; it reports its own errors.
-pid_t spawn_bake(const BakeArguments& job_options) {
+Result<Process> spawn_bake(const BakeArguments& job_options) {
   std::vector<std::string> argv_strings{
-      "intaglio",        "-q", "bake", job_options.mesh, "--material", job_options.material, "-o",
-      job_options.output};
+      "-q", "bake", job_options.mesh, "--material", job_options.material, "-o", job_options.output};
   const auto add = [&](const char* option, const auto& value) {
     argv_strings.insert(argv_strings.end(), {option, fmt::format("{}", value)});
   };
@@ -86,11 +85,9 @@ pid_t spawn_bake(const BakeArguments& job_options) {
   add("--shell", job_options.shell);
   add("--mesher", job_options.mesher);
   add("--merge", job_options.merge_db);
-  std::vector<char*> argv;
-  for (std::string& word : argv_strings) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  pid_t child = -1;
-  return posix_spawn(&child, "/proc/self/exe", nullptr, nullptr, argv.data(), environ) == 0 ? child : -1;
+  SpawnOptions spawn_options;
+  spawn_options.share_output = true;
+  return Process::start("/proc/self/exe", argv_strings, spawn_options);
 }
 
 void print_summary(const std::vector<Job>& jobs, const BakeArguments& options) {
@@ -143,11 +140,11 @@ Result<std::string> source_hash(const BakeArguments& options, const Material& ma
 }
 
 int bake_all(const BakeArguments& options, const Common& common) {
-  const auto material = named_material(options.material);
+  const auto material = load_material(options.material);
   if (!material) return report(material.error());
   auto jobs = list_jobs(options);
   if (!jobs) return report(jobs.error());
-  std::map<pid_t, Job*> running;
+  std::list<std::pair<Process, Job*>> running;
   std::size_t done = 0;
   const auto finish = [&](Job& job, const char* state) {
     job.state = state;
@@ -157,16 +154,16 @@ int bake_all(const BakeArguments& options, const Common& common) {
     std::fflush(stdout);
   };
   const auto wait_for_one = [&] {
-    int status = 0;
-    const pid_t child = wait(&status);
-    if (child < 0 && errno != EINTR) {  // not ours to wait for any more: how they ended is lost
-      for (const auto& [pid, job] : running) finish(*job, "failed");
-      return running.clear();
+    while (true) {
+      for (auto at = running.begin(); at != running.end(); ++at) {
+        const auto ended = at->first.poll();
+        if (!ended) continue;
+        finish(*at->second, *ended ? "baked" : "failed");
+        running.erase(at);
+        return;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
-    const auto job = running.find(child);
-    if (job == running.end()) return;
-    finish(*job->second, WIFEXITED(status) && WEXITSTATUS(status) == 0 ? "baked" : "failed");
-    running.erase(job);
   };
   for (Job& job : *jobs) {
     BakeArguments job_options = options;
@@ -177,11 +174,11 @@ int bake_all(const BakeArguments& options, const Common& common) {
       continue;
     }
     if (std::cmp_greater_equal(running.size(), options.jobs)) wait_for_one();
-    const pid_t child = spawn_bake(job_options);
-    if (child < 0) {
-      finish(job, "failed");
+    if (auto child = spawn_bake(job_options)) {
+      running.emplace_back(std::move(*child), &job);
     } else {
-      running[child] = &job;
+      report(child.error());
+      finish(job, "failed");
     }
   }
   while (!running.empty()) wait_for_one();

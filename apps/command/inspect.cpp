@@ -58,7 +58,7 @@ void print_summary(const surface::Inspection& i) {
 
 int run_inspect(const Options& options, const Common& common) {
   if (!options.html.empty()) {
-    if (auto named = check_named(options.html, ".html", "a page"); !named) return report(named.error());
+    if (auto named = check_extension(options.html, ".html", "a page"); !named) return report(named.error());
     if (auto writable = check_writable(options.html); !writable) return report(writable.error());
   }
   const auto inspection = surface::inspect(options.path, import_options(options));
@@ -80,7 +80,7 @@ int run_inspect(const Options& options, const Common& common) {
 int run_import(const Options& options, const Common& common) {
   const auto imported = surface::import_texture(options.path, import_options(options));
   if (!imported) return report(imported.error());
-  if (auto written = surface::write_asset(*imported, options.output); !written)
+  if (auto written = surface::write_texture_files(*imported, options.output); !written)
     return report(written.error());
   if (!common.quiet) {
     for (const std::string& note : imported->notes) fmt::print("{}\n", note);

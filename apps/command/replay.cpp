@@ -17,7 +17,7 @@ struct Options {
 
 int run(const Options& options, const Common& common) {
   if (!options.page.empty()) {
-    if (auto named = check_named(options.page, ".html", "a page"); !named) return report(named.error());
+    if (auto named = check_extension(options.page, ".html", "a page"); !named) return report(named.error());
     if (auto writable = check_writable(options.page); !writable) return report(writable.error());
   }
   const auto log = session::read_haptic_log(options.log);

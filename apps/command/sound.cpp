@@ -47,7 +47,7 @@ double sound_level_db(double pascal) {
 Result<sound::Strike> read_strike(const StrikeOptions& options, const sound::ModalModel& model) {
   const auto vec = [](const std::vector<double>& x) { return Vec3(x[0], x[1], x[2]); };
   sound::Strike strike;
-  const auto material = named_material(options.mallet);
+  const auto material = load_material(options.mallet);
   if (!material) return tl::unexpected(material.error());
   strike.mallet = {*material, options.mallet_radius};
   if (!options.at.empty()) strike.at = vec(options.at);
@@ -71,7 +71,7 @@ Result<sound::Strike> read_strike(const StrikeOptions& options, const sound::Mod
 }
 
 Result<void> check_wav(const std::string& output) {
-  auto named = check_named(output, ".wav", "a WAV file");
+  auto named = check_extension(output, ".wav", "a WAV file");
   return named ? check_writable(output) : named;
 }
 

@@ -98,7 +98,7 @@ Result<void> check_event(const VerbSpec& form, const ScriptEvent& event) {
       return address ? Result<void>() : tl::unexpected(address.error());
     }
     case ScriptVerb::screenshot:
-      return check_named(event.text, ".png", "a picture");
+      return check_extension(event.text, ".png", "a picture");
     default:
       return {};
   }

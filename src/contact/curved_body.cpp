@@ -121,7 +121,7 @@ class GroundSearch {
     const surface::Placement& place = meeting_.ground.placement();
     const auto uv = [&](const Vec2& at) { return place.uv({at.x(), at.y(), 0}); };
     const double top =
-        extent(meeting_.ground, uv(middle.head<2>() - aside), uv(middle.head<2>() + aside)).high;
+        height_range(meeting_.ground, uv(middle.head<2>() - aside), uv(middle.head<2>() + aside)).high;
     return middle.z() + piece.least_along(up_) - piece.play - top < limit();
   }
 

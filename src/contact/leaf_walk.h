@@ -31,7 +31,7 @@ struct Piece {
 // Four by four cells, and the texels around them: texel (i + c, j + r) is z[r + 1][c + 1], c and r from -1 to
 // 4. Texels outside of the rectangle count as infinitely low (by a number that is still good to reckon with).
 struct Leaf {
-  static constexpr int side = surface::Pyramid::leaf;
+  static constexpr int side = surface::Pyramid::leaf_cells;
   static constexpr double nowhere = -1e6;
 
   int i, j;
@@ -58,17 +58,18 @@ struct Leaf {
 // Block (x, y) of a level of the pyramid.
 inline Piece piece_of(const surface::Surface& surface, int level, int x, int y) {
   const surface::Pyramid& pyramid = surface.pyramid();
-  const int side = surface::Pyramid::side(level);
+  const int side = surface::Pyramid::block_cells(level);
   const double w = surface.texel_u(), h = surface.texel_v(), scale = -surface.max_depth();
   const surface::Pyramid::Slab slab = pyramid.slab(level, x, y);
   const double a = scale * side * slab.slope_x, c = scale * side * slab.slope_y;
-  const Vec3 middle((pyramid.first() + 0.5 + (x + 0.5) * side) * w,
-                    (pyramid.first() + 0.5 + (y + 0.5) * side) * h, scale * 0.5 * (slab.low + slab.high));
+  const Vec3 middle((pyramid.first_cell() + 0.5 + (x + 0.5) * side) * w,
+                    (pyramid.first_cell() + 0.5 + (y + 0.5) * side) * h,
+                    scale * 0.5 * (slab.low + slab.high));
   return {middle, Vec3(side * w, 0, a), Vec3(0, side * h, c), -0.5 * scale * (slab.high - slab.low)};
 }
 // The block of four by four cells whose first is (i, j).
 inline Piece piece_of_leaf(const surface::Surface& surface, int i, int j) {
-  const int first = surface.pyramid().first();
+  const int first = surface.pyramid().first_cell();
   return piece_of(surface, 0, (i - first) / Leaf::side, (j - first) / Leaf::side);
 }
 
@@ -80,7 +81,7 @@ void for_each_leaf(const surface::Surface& surface, const Vec2& low, const Vec2&
   using surface::Pyramid;
   const Pyramid& pyramid = surface.pyramid();
   const double w = surface.texel_u(), h = surface.texel_v();
-  const int first = pyramid.first();
+  const int first = pyramid.first_cell();
   // Cells, counted from the first.
   const auto cell = [first](double at, double size, int cells) {
     return static_cast<int>(std::clamp(std::floor(at / size - 0.5) - first, -1.0, double(cells)));
@@ -94,14 +95,14 @@ void for_each_leaf(const surface::Surface& surface, const Vec2& low, const Vec2&
     int level, x, y;
   };
   int level = 0;
-  while (level + 1 < pyramid.levels() && Pyramid::side(level) < std::max(i1 - i0, j1 - j0)) ++level;
+  while (level + 1 < pyramid.levels() && Pyramid::block_cells(level) < std::max(i1 - i0, j1 - j0)) ++level;
   std::array<Block, 4 * 32> stack;
   const auto try_block = [&](const Block& b) {
-    const int side = Pyramid::side(b.level);
+    const int side = Pyramid::block_cells(b.level);
     if (b.x * side > i1 || (b.x + 1) * side <= i0 || b.y * side > j1 || (b.y + 1) * side <= j0) return false;
     return wanted(piece_of(surface, b.level, b.x, b.y));
   };
-  const int side = Pyramid::side(level);
+  const int side = Pyramid::block_cells(level);
   for (int y = j0 / side; y <= j1 / side; ++y) {
     for (int x = i0 / side; x <= i1 / side; ++x) {
       if (!try_block({level, x, y})) continue;

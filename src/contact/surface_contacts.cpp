@@ -44,7 +44,7 @@ struct PairsOf {
 void push_up(const Question& question, const Shape& shape, Candidates& found, unsigned& status) {
   const surface::Surface& surface = question.surface;
   const Extent whole = extent_of(shape, question.frame);
-  const double lowest = -surface.max_depth() * surface.pyramid().whole().deep;
+  const double lowest = -surface.max_depth() * surface.pyramid().total_range().deep;
   for_each_part(shape, question.frame, [&](const Shape& part, const Frame& frame, int child) {
     const Vec3& at = frame.origin;
     if (!surface.placement().covers(at)) return;

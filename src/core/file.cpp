@@ -6,13 +6,14 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <memory>
 #include <system_error>
 #include <fmt/format.h>
+
+#include "core/text.h"
 
 namespace intaglio {
 
@@ -26,7 +27,7 @@ File open_file(const fs::path& path, const char* mode) {
   return {std::fopen(path.c_str(), mode), std::fclose};
 }
 
-tl::unexpected<Error> absent(const fs::path& path) {
+tl::unexpected<Error> not_found(const fs::path& path) {
   std::vector<std::string> names;
   std::error_code ignored;
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
@@ -37,11 +38,11 @@ tl::unexpected<Error> absent(const fs::path& path) {
               nearest.empty() ? "" : "did you mean " + (folder / nearest).string() + "?");
 }
 
-// What stands there is renamed over: that must be a file, never a device such as /dev/null.
+// Renaming replaces the target, which must be a file, never a device such as /dev/null.
 Result<void> check_target(const fs::path& path) {
   std::error_code error;
   if (!path.has_filename())
-    return fail(path.empty() ? "\"\"" : path.string(), "is no name of a file", "name a file");
+    return fail(path.empty() ? "\"\"" : path.string(), "is not a file name", "name a file");
   if (fs::is_directory(path, error)) return fail(path.string(), "is a folder", "name a file");
   if (fs::exists(path, error) && !fs::is_regular_file(path, error))
     return fail(path.string(), "is a device or pipe, not a file", "name a file");
@@ -53,8 +54,7 @@ Result<void> make_folder(const fs::path& path) {
   std::error_code error;
   fs::create_directories(path.parent_path(), error);
   if (error)
-    return fail(path.string(), "cannot create its folder: " + error.message(),
-                "name a folder you may write to");
+    return fail(path.string(), "cannot create its folder: " + error.message(), "choose a writable location");
   return {};
 }
 
@@ -62,7 +62,7 @@ Result<void> make_folder(const fs::path& path) {
 
 Result<std::vector<std::uint8_t>> read_file(const fs::path& path, std::uintmax_t limit) {
   std::error_code error;
-  if (!fs::exists(path, error)) return absent(path);
+  if (!fs::exists(path, error)) return not_found(path);
   if (fs::is_directory(path, error)) return fail(path.string(), "is a folder", "name a file");
   if (!fs::is_regular_file(path, error)) return fail(path.string(), "is a device or pipe", "name a file");
   const std::uintmax_t size = fs::file_size(path, error);
@@ -78,7 +78,13 @@ Result<std::vector<std::uint8_t>> read_file(const fs::path& path, std::uintmax_t
   return bytes;
 }
 
-Result<fs::path> temporary_for(const fs::path& path) {
+Result<std::string> read_text(const fs::path& path, std::uintmax_t limit) {
+  const auto bytes = read_file(path, limit);
+  if (!bytes) return tl::unexpected(bytes.error());
+  return std::string(bytes->begin(), bytes->end());
+}
+
+Result<fs::path> create_temporary(const fs::path& path) {
   for (int attempt = 0; attempt < 100; ++attempt) {
     std::uint32_t number = 0;
     if (getrandom(&number, sizeof number, 0) < 0) break;
@@ -93,30 +99,28 @@ Result<fs::path> temporary_for(const fs::path& path) {
     if (errno != EEXIST) break;
   }
   return fail(path.string(), std::string("cannot be written: ") + std::strerror(errno),
-              "name a place you may write to");
+              "choose a writable location");
 }
 
 Result<void> check_writable(const fs::path& path) {
   if (auto target = check_target(path); !target) return target;
   if (auto made = make_folder(path); !made) return made;
-  const auto temporary = temporary_for(path);
+  const auto temporary = create_temporary(path);
   if (!temporary) return tl::unexpected(temporary.error());
   std::error_code ignored;
   fs::remove(*temporary, ignored);
   return {};
 }
 
-Result<void> check_named(const fs::path& path, const std::string& extension, const std::string& kind) {
-  std::string own = path.extension().string();
-  std::transform(own.begin(), own.end(), own.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (own == extension) return {};
+Result<void> check_extension(const fs::path& path, const std::string& extension, const std::string& kind) {
+  if (lower_case(path.extension().string()) == extension) return {};
   return fail(path.string(), "is not named as " + kind, "end the name with " + extension);
 }
 
 Result<void> write_file(const fs::path& path, std::span<const std::uint8_t> bytes) {
   if (auto target = check_target(path); !target) return target;
   if (auto folder = make_folder(path); !folder) return folder;
-  const auto made = temporary_for(path);
+  const auto made = create_temporary(path);
   if (!made) return tl::unexpected(made.error());
   const fs::path& temporary = *made;
   std::error_code error;
@@ -124,7 +128,7 @@ Result<void> write_file(const fs::path& path, std::span<const std::uint8_t> byte
   if (!file) {
     const std::string reason = std::strerror(errno);
     fs::remove(temporary, error);
-    return fail(path.string(), "cannot be written: " + reason, "name a place you may write to");
+    return fail(path.string(), "cannot be written: " + reason, "choose a writable location");
   }
   const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size();
   const bool closed = std::fclose(file.release()) == 0;  // a full disk is often noticed only here

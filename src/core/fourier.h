@@ -1,5 +1,5 @@
-// Discrete Fourier transforms of any length, of float or double, with bits that are the same everywhere:
-// Eigen's butterflies, whose roots of unity come from core/portable_math.h instead of libm.
+// Bit-reproducible discrete Fourier transforms of any length, of float or double: Eigen's FFT kernels with
+// twiddle factors from portable_math.h.
 //
 // Not for real time. One object is one length and direction; not thread-safe.
 #pragma once
@@ -21,8 +21,7 @@ class Fourier {
   using Complex = std::complex<Scalar>;
 
   // The inverse divides by the length.
-  Fourier(int length, bool inverse)
-      : length_(length), scale_(inverse ? static_cast<Scalar>(1.0 / length) : 1) {
+  Fourier(int length, bool inverse) : length_(length), scale_(inverse ? Scalar(1.0 / length) : 1) {
     plan_.m_inverse = inverse;
     plan_.factorize(length);
     for (int k = 0; k < length; ++k) plan_.m_twiddles.push_back(root(k));
@@ -30,7 +29,7 @@ class Fourier {
 
   // `out` must not be `in`.
   void operator()(Complex* out, const Complex* in) {
-    // Eigen's butterflies know no length of one.
+    // Eigen's kernels do not support length 1.
     if (length_ == 1) return static_cast<void>(*out = *in);
     plan_.work(0, out, in, 1, 1);
     if (!plan_.m_inverse) return;
@@ -40,15 +39,15 @@ class Fourier {
  private:
   // e^(-+ 2 pi i k / length); exact at quarter turns.
   Complex root(int k) const {
-    const auto quarter = 4 * static_cast<std::int64_t>(k) / length_;
-    const auto rest = static_cast<double>(4 * static_cast<std::int64_t>(k) - quarter * length_);
+    const auto quarter = 4 * std::int64_t(k) / length_;
+    const auto rest = double(4 * std::int64_t(k) - quarter * length_);
     auto [sine, cosine] = elementary::sin_cos(0.5 * std::numbers::pi * (rest / length_));
     for (int q = 0; q < quarter; ++q) {
       const double turned = cosine;
       cosine = -sine;
       sine = turned;
     }
-    return {static_cast<Scalar>(cosine), static_cast<Scalar>(plan_.m_inverse ? sine : -sine)};
+    return {Scalar(cosine), Scalar(plan_.m_inverse ? sine : -sine)};
   }
 
   int length_;

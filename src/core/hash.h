@@ -1,4 +1,4 @@
-// FNV-1a, 64 bit: a running hash of bytes, for "two runs gave the same". Not for security.
+// FNV-1a, 64 bit: a running hash of bytes, to compare two runs. Not for security.
 #pragma once
 
 #include <cstddef>

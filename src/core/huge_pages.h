@@ -1,8 +1,8 @@
-// An allocator for large arrays that are read at random places: on huge pages, where the system has them.
+// Allocator for large, randomly read arrays; uses huge pages where available.
 //
-// Arrays of 2 MiB and more are aligned to huge pages and the system is asked to use them; a random read in
-// 64 MB of small pages otherwise waits for the page table as well as for the memory. It is advice: without
-// huge pages nothing changes but the speed. Every array begins on a cache line.
+// Arrays of 2 MiB and more are aligned to huge pages, and the kernel is advised to use them; otherwise a
+// random read in 64 MB of small pages waits for the page table as well as for the memory. Without huge pages
+// only the speed changes. Every array begins on a cache line.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace intaglio {
 
-void* allocate_on_huge_pages(std::size_t bytes);  // std::bad_alloc where there is no memory
+void* allocate_on_huge_pages(std::size_t bytes);  // throws std::bad_alloc
 void free_huge_pages(void* memory);
 
 template <class T>

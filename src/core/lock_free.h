@@ -1,8 +1,5 @@
-// The latest value, from one thread to another: the writer never waits, the reader never waits, neither
-// allocates. What the reader did not fetch in time is overwritten; what it gets is always one whole value.
-//
-// Three slots: one the writer fills, one the reader holds, one between that both swap with by one atomic
-// exchange. One writer thread, one reader thread. About 10 ns.
+// Data from one thread to another: the latest value, or a queue. Neither thread waits, neither allocates
+// after construction. One writer thread, one reader thread.
 #pragma once
 
 #include <array>
@@ -14,72 +11,38 @@
 
 namespace intaglio {
 
+// The latest value. Values that are not fetched in time are overwritten; a read never sees a partial value.
+//
+// Three slots: the writer fills one, the reader holds one, and both swap theirs with the third by an atomic
+// exchange. About 10 ns.
 template <class T>
 class Latest {
  public:
   // Writer.
   void publish(const T& value) {
-    slots_[back_] = value;
-    back_ = between_.exchange(back_ | fresh, std::memory_order_acq_rel) & index;
+    slots_[write_] = value;
+    write_ = shared_.exchange(write_ | fresh, std::memory_order_acq_rel) & index;
   }
 
-  // Reader: the newest value, or the one of last time. Valid until the next call.
+  // Reader: the newest value, which may be the one of the last call; before the first publish(), T{}. Valid
+  // until the next call.
   const T& fetch() {
-    if ((between_.load(std::memory_order_relaxed) & fresh) != 0)
-      front_ = between_.exchange(front_, std::memory_order_acq_rel) & index;
-    return slots_[front_];
+    if ((shared_.load(std::memory_order_relaxed) & fresh) != 0)
+      read_ = shared_.exchange(read_, std::memory_order_acq_rel) & index;
+    return slots_[read_];
   }
 
  private:
   static constexpr std::uint8_t index = 3, fresh = 4;
 
   std::array<T, 3> slots_{};
-  std::uint8_t front_ = 0, back_ = 1;
-  std::atomic<std::uint8_t> between_{2};
+  // Apart, so that the two threads do not share a cache line.
+  alignas(64) std::uint8_t read_ = 0;
+  alignas(64) std::uint8_t write_ = 1;
+  alignas(64) std::atomic<std::uint8_t> shared_{2};
 };
 
-// The newest value from one thread to another: the writer never waits, the reader never waits, values in
-// between are dropped.
-//
-// Three copies: one is being written, one is being read, one lies ready; publish() and update() swap with the
-// one that lies ready by a single atomic exchange. Exactly one writer and one reader thread. No allocation
-// after construction.
-
-template <class T>
-class LatestValue {
- public:
-  LatestValue() = default;
-  explicit LatestValue(const T& initial) { slots_.fill(initial); }
-
-  // Writer: the copy to fill in (what it holds is some older value), then publish().
-  T& draft() { return slots_[write_]; }
-  void publish() { write_ = ready_.exchange(write_ | fresh, std::memory_order_acq_rel) & ~fresh; }
-  void publish(const T& value) {
-    draft() = value;
-    publish();
-  }
-
-  // Reader: takes the newest value, if there is one since the last call; then value() is that.
-  bool update() {
-    if ((ready_.load(std::memory_order_relaxed) & fresh) == 0) return false;
-    read_ = ready_.exchange(read_, std::memory_order_acq_rel) & ~fresh;
-    return true;
-  }
-  const T& value() const { return slots_[read_]; }
-
- private:
-  static constexpr std::uint32_t fresh = 4;
-
-  std::array<T, 3> slots_{};
-  alignas(64) std::atomic<std::uint32_t> ready_{1};
-  alignas(64) std::uint32_t write_ = 0;  // the writer's
-  alignas(64) std::uint32_t read_ = 2;   // the reader's
-};
-
-// A bounded queue from one thread to another: neither waits, neither allocates after construction.
-//
-// One producer, one consumer. T is copied in and out. A full queue refuses, and the producer decides.
-
+// A bounded queue. T is copied in and out.
 template <class T>
 class SpscQueue {
  public:
@@ -108,7 +71,6 @@ class SpscQueue {
 
  private:
   std::vector<T> slots_;
-  // Apart, so that the two threads do not share a cache line.
   alignas(64) std::atomic<std::size_t> head_{0};
   alignas(64) std::atomic<std::size_t> tail_{0};
 };

@@ -14,18 +14,18 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-// A number as the sum of two doubles: what a double cannot hold is in `low`.
+// A number as the sum of two doubles: `low` holds the rounding error of `high`.
 struct Pair {
   double high, low;
 };
 
-// Exact, whatever the sizes (Knuth).
+// a + b, exact for any magnitudes (Knuth).
 inline Pair sum(double a, double b) {
-  const double s = a + b, of_b = s - a;
-  return {s, (a - (s - of_b)) + (b - of_b)};
+  const double s = a + b, b_virtual = s - a;
+  return {s, (a - (s - b_virtual)) + (b - b_virtual)};
 }
 
-// Exact while nothing overflows: by halves of 26 bits (Dekker, Veltkamp).
+// a b, exact while nothing overflows: split into halves of 26 bits (Dekker, Veltkamp).
 inline Pair product(double a, double b) {
   constexpr double splitter = 0x1p27 + 1;
   const double a_cut = splitter * a, b_cut = splitter * b;
@@ -34,13 +34,13 @@ inline Pair product(double a, double b) {
   return {p, ((a_high * b_high - p) + a_high * b_low + a_low * b_high) + a_low * b_low};
 }
 
-// The whole number nearest to x, |x| < 2^51.
+// The nearest integer, |x| < 2^51.
 inline double nearest(double x) {
   constexpr double big = 0x1.8p52;
   return (x + big) - big;
 }
 
-// sum of c[k] x^k by pairs, pairs of pairs and so on: a short chain of operations, always the same one.
+// Sum of c[k] x^k by pairs, pairs of pairs and so on: a short chain of operations, always in the same order.
 template <std::size_t count>
 inline double polynomial(const std::array<double, count>& c, double x) {
   if constexpr (count == 1) {
@@ -59,14 +59,14 @@ constexpr double factorial(int n) {
 template <std::size_t count, class Make>
 constexpr std::array<double, count> series(Make make) {
   std::array<double, count> out{};
-  for (std::size_t k = 0; k < count; ++k) out[k] = make(static_cast<int>(k));
+  for (std::size_t k = 0; k < count; ++k) out[k] = make(int(k));
   return out;
 }
 constexpr double alternating(int k) {
   return k % 2 == 0 ? 1 : -1;
 }
 
-// Taylor's, long enough that what is left out is below a thousandth of an ulp.
+// Taylor series, truncated below a thousandth of an ulp.
 // (sin x - x) / x^3 and (cos x - 1 + x^2/2) / x^4 in x^2, |x| < pi/4
 constexpr auto sine = series<8>([](int k) { return -alternating(k) / factorial(2 * k + 3); });
 constexpr auto cosine = series<8>([](int k) { return alternating(k) / factorial(2 * k + 4); });
@@ -77,25 +77,26 @@ constexpr auto artanh = series<11>([](int k) { return 2.0 / (2 * k + 3); });
 // (atan t - t) / t^3 in t^2, |t| < 1/16
 constexpr auto arctangent = series<7>([](int k) { return -alternating(k) / (2 * k + 3); });
 
-// pi/2 in three parts and ln 2 in two, the first of so few bits that whole multiples of them are exact.
+// pi/2 in three parts and ln 2 in two; the first ones have so few bits that their integer multiples are
+// exact.
 constexpr double half_pi[3] = {0x1.921fb544p+0, 0x1.0b4611a6p-34, 0x1.3198a2e037073p-69};
 constexpr Pair ln_2 = {0x1.62e42fefa38p-1, 0x1.ef35793c7673p-45};
-constexpr double farthest = 1.6e6;  // radians: fewer than 2^20 quarter turns
+constexpr double reduction_limit = 1.6e6;  // radians: fewer than 2^20 quarter turns
 
-// Multiples of a quarter turn, and what is left.
+// An angle as a multiple of a quarter turn, modulo 4, and the remainder.
 struct Reduced {
   int quarter;
-  Pair rest;
+  Pair remainder;
 };
 
-Reduced reduced(double x) {
+Reduced reduce(double x) {
   if (std::abs(x) <= 0.785) return {0, {x, 0}};
-  constexpr double quarters_a_radian = 0x1.45f306dc9c883p-1, whole_turn = 0x1.921fb54442d18p+2;
-  if (!(std::abs(x) < farthest)) x = std::isfinite(x) ? std::fmod(x, whole_turn) : nan;
+  constexpr double two_over_pi = 0x1.45f306dc9c883p-1, two_pi = 0x1.921fb54442d18p+2;
+  if (!(std::abs(x) < reduction_limit)) x = std::isfinite(x) ? std::fmod(x, two_pi) : nan;
   if (std::isnan(x)) return {0, {nan, nan}};
-  const double n = nearest(x * quarters_a_radian);
-  const Pair off = sum(x - n * half_pi[0], -n * half_pi[1]);
-  return {static_cast<int>(static_cast<std::int64_t>(n) & 3), sum(off.high, off.low - n * half_pi[2])};
+  const double n = nearest(x * two_over_pi);
+  const Pair difference = sum(x - n * half_pi[0], -n * half_pi[1]);
+  return {int(std::int64_t(n) & 3), sum(difference.high, difference.low - n * half_pi[2])};
 }
 
 inline double sine_of(const Pair& x) {
@@ -105,28 +106,29 @@ inline double sine_of(const Pair& x) {
 }
 
 inline double cosine_of(const Pair& x) {
-  const double square = x.high * x.high, half = 0.5 * square, rough = 1 - half;
-  return rough + (((1 - rough) - half) + (square * square * polynomial(cosine, square) - x.high * x.low));
+  const double square = x.high * x.high, half = 0.5 * square, estimate = 1 - half;
+  return estimate +
+         (((1 - estimate) - half) + (square * square * polynomial(cosine, square) - x.high * x.low));
 }
 
 // x 2^n.
-inline double scaled(double x, int n) {
+inline double ldexp_fast(double x, int n) {
   if (n < -1022 || n > 1023) return std::ldexp(x, n);
-  return x * std::bit_cast<double>(static_cast<std::uint64_t>(n + 1023) << 52);
+  return x * std::bit_cast<double>(std::uint64_t(n + 1023) << 52);
 }
 
 double exp_of(const Pair& x) {
   if (std::isnan(x.high)) return nan;
   if (x.high > 709.8) return infinity;
   if (x.high < -745.2) return 0;
-  constexpr double doublings = 0x1.71547652b82fep+0;  // 1 / ln 2
-  const double n = nearest(x.high * doublings);
-  const Pair rest = sum(x.high - n * ln_2.high, x.low - n * ln_2.low);
-  const double r = rest.high;
-  return scaled(1 + (r + (rest.low + r * r * polynomial(exponential, r))), static_cast<int>(n));
+  constexpr double inv_ln2 = 0x1.71547652b82fep+0;  // 1 / ln 2
+  const double n = nearest(x.high * inv_ln2);
+  const Pair remainder = sum(x.high - n * ln_2.high, x.low - n * ln_2.low);
+  const double r = remainder.high;
+  return ldexp_fast(1 + (r + (remainder.low + r * r * polynomial(exponential, r))), int(n));
 }
 
-// x = m 2^n with m near 1, from root 1/2 to root 2; x normal or not, positive and finite.
+// x = m 2^n with m from sqrt(1/2) to sqrt(2); x is positive and finite, normal or not.
 struct Normalised {
   double m, n;
 };
@@ -137,14 +139,14 @@ Normalised normalised(double x) {
     x *= 0x1p54;
     n = -54;
   }
-  // Counted from the bits of root 1/2, what is above the mantissa is n.
+  // Subtracting the bits of sqrt(1/2) leaves n in the exponent field.
   constexpr std::uint64_t start = 0x3fe6a09e667f3bcd;
   const auto bits = std::bit_cast<std::uint64_t>(x) - start;
-  const auto exponent = static_cast<std::int64_t>(bits) >> 52;
-  return {std::bit_cast<double>((bits & 0xfffffffffffffull) + start), n + static_cast<double>(exponent)};
+  const auto exponent = std::int64_t(bits) >> 52;
+  return {std::bit_cast<double>((bits & 0xfffffffffffffull) + start), n + double(exponent)};
 }
 
-// log x to some 58 bits: x positive and finite.
+// log x to about 58 bits; x is positive and finite.
 Pair log_of(double x) {
   const auto [m, n] = normalised(x);
   const double f = m - 1;
@@ -156,19 +158,19 @@ Pair log_of(double x) {
   return sum(large.high, large.low + (2 * s_low + n * ln_2.low + s * square * polynomial(artanh, square)));
 }
 
-// atan(k/8), and what its double leaves.
-constexpr Pair eighths[9] = {{0, 0},
-                             {0x1.fd5ba9aac2f6ep-4, -0x1.cd37686760c17p-59},
-                             {0x1.f5b75f92c80ddp-3, 0x1.8ab6e3cf7afbdp-57},
-                             {0x1.6f61941e4def1p-2, -0x1.c63aae6f6e918p-56},
-                             {0x1.dac670561bb4fp-2, 0x1.a2b7f222f65e2p-56},
-                             {0x1.1e00babdefeb4p-1, -0x1.928df287a668fp-58},
-                             {0x1.4978fa3269ee1p-1, 0x1.2419a87f2a458p-56},
-                             {0x1.700a7c5784634p-1, -0x1.8c34d25aadef6p-56},
-                             {0x1.921fb54442d18p-1, 0x1.1a62633145c07p-55}};
+// atan(k/8), with its rounding error.
+constexpr Pair atan_eighths[9] = {{0, 0},
+                                  {0x1.fd5ba9aac2f6ep-4, -0x1.cd37686760c17p-59},
+                                  {0x1.f5b75f92c80ddp-3, 0x1.8ab6e3cf7afbdp-57},
+                                  {0x1.6f61941e4def1p-2, -0x1.c63aae6f6e918p-56},
+                                  {0x1.dac670561bb4fp-2, 0x1.a2b7f222f65e2p-56},
+                                  {0x1.1e00babdefeb4p-1, -0x1.928df287a668fp-58},
+                                  {0x1.4978fa3269ee1p-1, 0x1.2419a87f2a458p-56},
+                                  {0x1.700a7c5784634p-1, -0x1.8c34d25aadef6p-56},
+                                  {0x1.921fb54442d18p-1, 0x1.1a62633145c07p-55}};
 
 // a - b
-inline Pair less(const Pair& a, const Pair& b) {
+inline Pair subtract(const Pair& a, const Pair& b) {
   const Pair d = sum(a.high, -b.high);
   return {d.high, d.low + (a.low - b.low)};
 }
@@ -176,8 +178,8 @@ inline Pair less(const Pair& a, const Pair& b) {
 }  // namespace
 
 SinCos sin_cos(double x) {
-  const auto [quarter, rest] = reduced(x);
-  const double s = sine_of(rest), c = cosine_of(rest);
+  const auto [quarter, remainder] = reduce(x);
+  const double s = sine_of(remainder), c = cosine_of(remainder);
   switch (quarter) {
     case 0:
       return {s, c};
@@ -191,14 +193,14 @@ SinCos sin_cos(double x) {
 }
 
 double sin(double x) {
-  const auto [quarter, rest] = reduced(x);
-  const double value = quarter % 2 == 0 ? sine_of(rest) : cosine_of(rest);
+  const auto [quarter, remainder] = reduce(x);
+  const double value = quarter % 2 == 0 ? sine_of(remainder) : cosine_of(remainder);
   return quarter < 2 ? value : -value;
 }
 
 double cos(double x) {
-  const auto [quarter, rest] = reduced(x);
-  const double value = quarter % 2 == 0 ? cosine_of(rest) : sine_of(rest);
+  const auto [quarter, remainder] = reduce(x);
+  const double value = quarter % 2 == 0 ? cosine_of(remainder) : sine_of(remainder);
   return quarter == 0 || quarter == 3 ? value : -value;
 }
 
@@ -210,12 +212,12 @@ double log(double x) {
   if (std::isnan(x) || x < 0) return nan;
   if (x == 0) return -infinity;
   if (x == infinity) return infinity;
-  // log m = 2 artanh(s) = f - s (f - R) = f - (f^2/2 - s (f^2/2 + R)), as 2 s = f - s f: only what is small
-  // is rounded before the last sum.
+  // log m = 2 artanh(s) = f - s (f - R) = f - (f^2/2 - s (f^2/2 + R)), as 2 s = f - s f: only small terms are
+  // rounded before the last sum.
   const auto [m, n] = normalised(x);
   const double f = m - 1, s = f / (2 + f), square = s * s, half = 0.5 * f * f;
-  const double rest = square * polynomial(artanh, square);
-  return n * ln_2.high + (f - (half - (s * (half + rest) + n * ln_2.low)));
+  const double remainder = square * polynomial(artanh, square);
+  return n * ln_2.high + (f - (half - (s * (half + remainder) + n * ln_2.low)));
 }
 
 double pow(double x, double y) {
@@ -224,10 +226,10 @@ double pow(double x, double y) {
   if (x == 0) return y > 0 ? 0 : infinity;
   if (x == infinity) return y > 0 ? infinity : 0;
   const Pair log_x = log_of(x);
-  const double rough = y * log_x.high;
-  if (!(std::abs(rough) < 800)) return rough > 0 ? infinity : 0;
-  const Pair whole = product(y, log_x.high);
-  return exp_of({whole.high, whole.low + y * log_x.low});
+  const double estimate = y * log_x.high;
+  if (!(std::abs(estimate) < 800)) return estimate > 0 ? infinity : 0;
+  const Pair exponent = product(y, log_x.high);
+  return exp_of({exponent.high, exponent.low + y * log_x.low});
 }
 
 double cbrt(double x) {
@@ -235,12 +237,12 @@ double cbrt(double x) {
   if (x == 0 || !std::isfinite(x)) return x;
   auto [m, n] = normalised(std::abs(x));
   const double thirds = std::floor(n / 3);
-  m = scaled(m, static_cast<int>(n - 3 * thirds));
-  // One step of Newton's, its residual as exact as it must be.
+  m = ldexp_fast(m, int(n - 3 * thirds));
+  // One Newton step, with the residual in double-double.
   const double y = exp_of({log_of(m).high / 3, 0});
   const Pair square = product(y, y), cube = product(square.high, y);
-  const double off = ((cube.high - m) + cube.low) + square.low * y;
-  return std::copysign(scaled(y - off / (3 * square.high), static_cast<int>(thirds)), x);
+  const double residual = ((cube.high - m) + cube.low) + square.low * y;
+  return std::copysign(ldexp_fast(y - residual / (3 * square.high), int(thirds)), x);
 }
 
 double atan2(double y, double x) {
@@ -258,14 +260,14 @@ double atan2(double y, double x) {
     const double k = nearest(8 * (low / high));
     const Pair back = product(0.125 * k, high);
     const double t = ((low - back.high) - back.low) / (high + 0.125 * k * low), square = t * t;
-    const Pair& eighth = eighths[static_cast<std::size_t>(k)];
-    const double bend = t * square * polynomial(arctangent, square);
-    angle = k == 0 ? Pair{t, bend} : Pair{eighth.high, t + (eighth.low + bend)};
+    const Pair& eighth = atan_eighths[std::size_t(k)];
+    const double correction = t * square * polynomial(arctangent, square);
+    angle = k == 0 ? Pair{t, correction} : Pair{eighth.high, t + (eighth.low + correction)};
   }
-  constexpr Pair right = {0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54};
-  constexpr Pair straight = {2 * right.high, 2 * right.low};
-  if (is_steep) angle = less(right, angle);
-  if (std::signbit(x)) angle = less(straight, angle);
+  constexpr Pair half_pi_pair = {0x1.921fb54442d18p+0, 0x1.1a62633145c07p-54};
+  constexpr Pair pi = {2 * half_pi_pair.high, 2 * half_pi_pair.low};
+  if (is_steep) angle = subtract(half_pi_pair, angle);
+  if (std::signbit(x)) angle = subtract(pi, angle);
   return std::copysign(angle.high + angle.low, y);
 }
 

@@ -1,13 +1,14 @@
-// Sines, exponentials and their like whose bits are the same on every processor and with every compiler.
+// Elementary functions and random numbers with bit-identical results on every processor and compiler.
 //
-// Those of a C library are not: glibc chooses at run time between code with and without fused multiply-add,
-// and a compiler may fold a call of known arguments by another library. What enters an event, a force or a
-// sample must come from here (docs/determinism.md); what is only drawn, printed or measured need not.
+// A C library's are not: glibc chooses at run time between code with and without fused multiply-add, and a
+// compiler may evaluate calls with constant arguments with a different library. Whatever enters an event, a
+// force or a sample must come from here (docs/determinism.md); drawing, printing and timing need not.
 //
-// Only + - * / and square roots of doubles, which IEEE 754 rounds in one way, in one order; needs
-// -ffp-contract=off. Errors are in units in the last place, the largest of tests/core/test_elementary.cpp.
-// Not-a-number gives not-a-number, always of the same bits. Real-time: no allocation. Some 10 ns a sine,
-// exponential or logarithm, 20 an arctangent, 50 a power, 100 a cube root (libm: 14, 6, 11, 21, 14, 13).
+// Only + - * / and square roots of doubles, which IEEE 754 rounds in one way, in a fixed order; needs
+// -ffp-contract=off. Errors are in units in the last place, the largest found by
+// tests/core/test_portable_math.cpp. NaN gives NaN, always with the same bits. Real-time: no allocation.
+// About 10 ns for a sine, exponential or logarithm, 20 for an arctangent, 50 for a power, 100 for a cube root
+// (libm: 14, 6, 11, 21, 14, 13).
 #pragma once
 
 #include <cmath>
@@ -31,23 +32,23 @@ double exp(double x);
 // Below 1 ulp for x > 0; -infinity at 0.
 double log(double x);
 
-// x to the power of y for x >= 0 (not-a-number below). Below 1.2 ulp for results of 1e-12 to 1e12; the error
-// grows with the result's logarithm.
+// x to the power of y for x >= 0 (NaN for x < 0). Below 1.2 ulp for results of 1e-12 to 1e12; the error grows
+// with the result's logarithm.
 double pow(double x, double y);
 
-// Below 1 ulp, of any sign.
+// Below 1 ulp, any sign.
 double cbrt(double x);
 
-// (-pi, pi], signs of zeros as std::atan2 takes them. Below 2 ulp for arguments within 1e-290..1e290.
+// In (-pi, pi], with the signed zeros of std::atan2. Below 2 ulp for arguments within 1e-290..1e290.
 double atan2(double y, double x);
 
 // Below 2 ulp for -1 <= x <= 1.
 double acos(double x);
 
-// Within 3e-16 (absolutely: no good for the relative size of what is tiny).
+// Absolute error 3e-16; the relative error is large near 0.
 double tanh(double x);
 
-// The root of the sum of squares, for lengths: below 2 ulp, but squares must neither overflow nor vanish.
+// sqrt(x^2 + y^2), below 2 ulp; the squares must not overflow or underflow.
 inline double hypot(double x, double y) {
   return std::sqrt(x * x + y * y);
 }
@@ -58,7 +59,6 @@ namespace intaglio {
 
 // SplitMix64: a small seeded generator whose stream is the same on every platform (the distributions of
 // <random> are not). Source: Steele, Lea, Flood, "Fast splittable pseudorandom number generators", 2014.
-
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
@@ -70,7 +70,7 @@ class Random {
     return z ^ (z >> 31);
   }
   // Uniform in [0, 1).
-  double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
+  double uniform() { return double(next() >> 11) * 0x1.0p-53; }
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
   // Standard normal, by Box and Muller.
   double normal() {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 
-namespace intaglio::session {
+namespace intaglio {
 
 using std::chrono::duration;
 using std::chrono::steady_clock;
@@ -39,12 +39,12 @@ void Progress::draw(double fraction, const std::string& detail) {
                                ? fmt::format("{:.0f} s left", elapsed / fraction * (1 - fraction))
                                : fmt::format("{:.0f} s", elapsed);
   constexpr int width = 28;
-  const int full = static_cast<int>(fraction * width + 0.5);
+  const int full = int(fraction * width + 0.5);
   const std::string line =
-      fmt::format("{} [{}{}] {:3.0f} %  {}  {}", what_, std::string(static_cast<std::size_t>(full), '#'),
-                  std::string(static_cast<std::size_t>(width - full), '.'), 100 * fraction, left, detail);
+      fmt::format("{} [{}{}] {:3.0f} %  {}  {}", what_, std::string(std::size_t(full), '#'),
+                  std::string(std::size_t(width - full), '.'), 100 * fraction, left, detail);
   fmt::print(stderr, "{}{}{}", terminal_ ? "\r" : "", line, terminal_ ? "\x1b[K" : "\n");
   std::fflush(stderr);
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio

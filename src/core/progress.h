@@ -4,13 +4,13 @@
 #include <chrono>
 #include <string>
 
-namespace intaglio::session {
+namespace intaglio {
 
 class Progress {
  public:
   Progress(std::string what, bool quiet);
   ~Progress();
-  // `fraction` of the work is done, 0..1; `detail` is shown behind the bar. Cheap: draws a few times a
+  // `fraction` of the work is done, 0..1; `detail` is shown behind the bar. Cheap: draws at most ten times a
   // second.
   void update(double fraction, const std::string& detail);
 
@@ -23,4 +23,4 @@ class Progress {
   std::chrono::steady_clock::time_point start_, last_;
 };
 
-}  // namespace intaglio::session
+}  // namespace intaglio

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <numeric>
 #include <ostream>
 #include <vector>
@@ -20,6 +21,18 @@ std::string Error::message() const {
 
 std::ostream& operator<<(std::ostream& out, const Error& error) {
   return out << error.message();
+}
+
+std::string lower_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
+  return text;
+}
+
+std::string printable(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c < 0x20 || c > 0x7e; }, '?');
+  return text;
 }
 
 int edit_distance(const std::string& a, const std::string& b) {
@@ -43,8 +56,8 @@ std::string json_quoted(std::string_view text) {
     if (c == '"' || c == '\\') {
       out += '\\';
       out += c;
-    } else if (static_cast<unsigned char>(c) < 0x20) {
-      out += fmt::format("\\u{:04x}", unsigned(static_cast<unsigned char>(c)));
+    } else if (std::uint8_t(c) < 0x20) {
+      out += fmt::format("\\u{:04x}", unsigned(std::uint8_t(c)));
     } else {
       out += c;
     }

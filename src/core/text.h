@@ -1,4 +1,4 @@
-// Text in messages and files: the nearest name, an error within an error, JSON strings.
+// Text in messages and files: case, printable text, the nearest name, an error within an error, JSON strings.
 #pragma once
 
 #include <string>
@@ -7,6 +7,12 @@
 #include "intaglio/error.h"
 
 namespace intaglio {
+
+// ASCII letters in lower case.
+std::string lower_case(std::string text);
+
+// Text from files and libraries, for messages: bytes that are not printable ASCII become '?'.
+std::string printable(std::string text);
 
 // Levenshtein distance of two words: inserted, deleted and changed letters.
 int edit_distance(const std::string& a, const std::string& b);

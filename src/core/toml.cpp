@@ -12,15 +12,15 @@ namespace intaglio {
 
 namespace {
 
-// What a TOML value is, for people.
+// The kind of a TOML value, for messages.
 std::string kind(const toml::node& node) {
   switch (node.type()) {
     case toml::node_type::string:
-      return "a text";
+      return "a string";
     case toml::node_type::boolean:
       return "true or false";
     case toml::node_type::array:
-      return "a list";
+      return "an array";
     case toml::node_type::table:
       return "a table";
     case toml::node_type::integer:
@@ -65,13 +65,13 @@ void TomlReader::only_keys(const std::string& kind, const std::vector<const char
     const bool is_used = std::any_of(uses.begin(), uses.end(),
                                      [&](const char* used) { return std::string_view(used) == key; });
     if (is_used || !has(key)) continue;
-    return fail_at(key, fmt::format("{} says nothing of {}", full(key), kind),
-                   uses.empty() ? "leave it out"
-                                : fmt::format("leave it out; what is read here: {}", fmt::join(uses, ", ")));
+    return fail_at(
+        key, fmt::format("{} does not use {}", kind, full_key(key)),
+        uses.empty() ? "leave it out" : fmt::format("leave it out; it uses: {}", fmt::join(uses, ", ")));
   }
 }
 
-const toml::node* TomlReader::take(const char* key) {
+const toml::node* TomlReader::find(const char* key) {
   known_.insert(key);
   return error_ ? nullptr : table_.get(key);
 }
@@ -79,16 +79,16 @@ const toml::node* TomlReader::take(const char* key) {
 bool TomlReader::read_number(const char* key, const toml::node& node, const Range* range, double& value) {
   const auto number = node.value<double>();
   if (!number || node.is_boolean() || node.is_string()) {
-    set_error(node, fmt::format("{} is {}", full(key), kind(node)), "a number is needed");
+    set_error(node, fmt::format("{} is {}", full_key(key), kind(node)), "a number is required");
     return false;
   }
   if (!std::isfinite(*number)) {
-    set_error(node, fmt::format("{} is {}", full(key), *number), "a finite number is needed");
+    set_error(node, fmt::format("{} is {}", full_key(key), *number), "a finite number is required");
     return false;
   }
   if (range != nullptr &&
       (*number < range->low || *number > range->high || (range->low_open && *number == range->low))) {
-    set_error(node, fmt::format("{} is {}", full(key), *number), range->says);
+    set_error(node, fmt::format("{} is {}", full_key(key), *number), range->says);
     return false;
   }
   value = *number;
@@ -96,80 +96,82 @@ bool TomlReader::read_number(const char* key, const toml::node& node, const Rang
 }
 
 void TomlReader::number(const char* key, double& value, const Range& range) {
-  if (const toml::node* node = take(key)) read_number(key, *node, &range, value);
+  if (const toml::node* node = find(key)) read_number(key, *node, &range, value);
 }
 
-void TomlReader::whole(const char* key, int& value, const Range& range) {
-  const toml::node* node = take(key);
+void TomlReader::integer(const char* key, int& value, const Range& range) {
+  const toml::node* node = find(key);
   double number = value;
   if (node == nullptr || !read_number(key, *node, &range, number)) return;
   if (number != std::floor(number))
-    return set_error(*node, fmt::format("{} is {}", full(key), number), "a whole number is needed");
-  value = static_cast<int>(number);
+    return set_error(*node, fmt::format("{} is {}", full_key(key), number), "an integer is required");
+  value = int(number);
 }
 
-void TomlReader::text(const char* key, std::string& value) {
-  const toml::node* node = take(key);
+void TomlReader::string(const char* key, std::string& value) {
+  const toml::node* node = find(key);
   if (node == nullptr) return;
   if (!node->is_string())
-    return set_error(*node, fmt::format("{} is {}", full(key), kind(*node)), "a text in quotes is needed");
+    return set_error(*node, fmt::format("{} is {}", full_key(key), kind(*node)),
+                     "a quoted string is required");
   value = node->value_or(std::string());
 }
 
-void TomlReader::vector(const char* key, Vec3& value) {
-  const toml::node* node = take(key);
+void TomlReader::vec3(const char* key, Vec3& value) {
+  const toml::node* node = find(key);
   if (node == nullptr) return;
   const toml::array* array = node->as_array();
   if (array == nullptr || array->size() != 3) {
     return set_error(*node,
-                     fmt::format("{} is {}{}", full(key), kind(*node),
+                     fmt::format("{} is {}{}", full_key(key), kind(*node),
                                  array != nullptr ? fmt::format(" of {}", array->size()) : ""),
-                     "three numbers are needed: [x, y, z]");
+                     "three numbers are required: [x, y, z]");
   }
-  // Farther or faster than anything that touches; what follows squares these numbers in floats.
+  // Beyond any useful scene; Bullet squares these in floats.
   static constexpr Range sane{-1e4, 1e4, false, "each number must be between -10000 and 10000"};
   for (std::size_t k = 0; k < 3; ++k) {
-    if (!read_number(key, (*array)[k], &sane, value[static_cast<Eigen::Index>(k)])) return;
+    if (!read_number(key, (*array)[k], &sane, value[Eigen::Index(k)])) return;
   }
 }
 
-void TomlReader::pair(const char* key, Vec2& value, const Range& range) {
-  const toml::node* node = take(key);
+void TomlReader::vec2(const char* key, Vec2& value, const Range& range) {
+  const toml::node* node = find(key);
   if (node == nullptr) return;
   const toml::array* array = node->as_array();
   if (array == nullptr || array->size() != 2)
-    return set_error(*node, fmt::format("{} is not two numbers", full(key)),
-                     "two numbers are needed: [u, v]");
+    return set_error(*node, fmt::format("{} is not two numbers", full_key(key)),
+                     "two numbers are required: [u, v]");
   for (std::size_t k = 0; k < 2; ++k) {
-    if (!read_number(key, (*array)[k], &range, value[static_cast<Eigen::Index>(k)])) return;
+    if (!read_number(key, (*array)[k], &range, value[Eigen::Index(k)])) return;
   }
 }
 
 void TomlReader::choice(const char* key, const std::vector<std::string>& names, int& value) {
-  const toml::node* node = take(key);
+  const toml::node* node = find(key);
   if (node == nullptr) return;
   const std::string name = node->value_or(std::string());
   for (std::size_t k = 0; k < names.size(); ++k) {
     if (names[k] == name && node->is_string()) {
-      value = static_cast<int>(k);
+      value = int(k);
       return;
     }
   }
-  set_error(*node, fmt::format("{} is {}", full(key), node->is_string() ? "\"" + name + "\"" : kind(*node)),
+  set_error(*node,
+            fmt::format("{} is {}", full_key(key), node->is_string() ? "\"" + name + "\"" : kind(*node)),
             fmt::format("it must be one of \"{}\"", fmt::join(names, "\", \"")));
 }
 
 void TomlReader::rows(const char* key, std::size_t columns, std::vector<std::vector<double>>& value) {
-  const toml::node* node = take(key);
+  const toml::node* node = find(key);
   if (node == nullptr) return;
-  const std::string fix = fmt::format("a list of rows of {} numbers is needed", columns);
-  if (!node->is_array()) return set_error(*node, fmt::format("{} is {}", full(key), kind(*node)), fix);
+  const std::string fix = fmt::format("an array of rows of {} numbers is required", columns);
+  if (!node->is_array()) return set_error(*node, fmt::format("{} is {}", full_key(key), kind(*node)), fix);
   value.clear();
   for (const toml::node& row : *node->as_array()) {
     const toml::array* numbers = row.as_array();
     if (numbers == nullptr || numbers->size() != columns)
       return set_error(
-          row, fmt::format("row {} of {} is not {} numbers", value.size() + 1, full(key), columns), fix);
+          row, fmt::format("row {} of {} is not {} numbers", value.size() + 1, full_key(key), columns), fix);
     value.emplace_back(columns);
     for (std::size_t k = 0; k < columns; ++k) {
       if (!read_number(key, (*numbers)[k], nullptr, value.back()[k])) return;
@@ -178,25 +180,25 @@ void TomlReader::rows(const char* key, std::size_t columns, std::vector<std::vec
 }
 
 void TomlReader::table(const char* key, const std::function<void(TomlReader&)>& read) {
-  const toml::node* node = take(key);
+  const toml::node* node = find(key);
   if (node == nullptr) return;
   if (!node->is_table())
-    return set_error(*node, fmt::format("{} is {}", full(key), kind(*node)),
-                     fmt::format("a table is needed: [{}]", full(key)));
-  TomlReader reader(*node->as_table(), name_, full(key), error_);
+    return set_error(*node, fmt::format("{} is {}", full_key(key), kind(*node)),
+                     fmt::format("a table is required: [{}]", full_key(key)));
+  TomlReader reader(*node->as_table(), name_, full_key(key), error_);
   read(reader);
   reader.finish();
 }
 
 void TomlReader::tables(const char* key, const std::function<void(TomlReader&)>& read) {
-  const toml::node* node = take(key);
+  const toml::node* node = find(key);
   if (node == nullptr) return;
   const toml::array* array = node->as_array();
   if (array == nullptr || !array->is_homogeneous(toml::node_type::table))
-    return set_error(*node, fmt::format("{} is {}", full(key), kind(*node)),
-                     fmt::format("tables are needed: [[{}]]", full(key)));
+    return set_error(*node, fmt::format("{} is {}", full_key(key), kind(*node)),
+                     fmt::format("tables are required: [[{}]]", full_key(key)));
   for (const toml::node& item : *array) {
-    TomlReader reader(*item.as_table(), name_, full(key), error_);
+    TomlReader reader(*item.as_table(), name_, full_key(key), error_);
     read(reader);
     reader.finish();
   }
@@ -209,12 +211,14 @@ void TomlReader::finish() {
     if (known_.contains(name)) continue;
     const std::string nearest = nearest_name(name, known_);
     error_ = Error{fmt::format("{}:{}", name_, key.source().begin.line),
-                   fmt::format("unknown key \"{}\"", full(name.c_str())),
-                   nearest.empty() ? fmt::format("known here: {}", fmt::join(known_, ", "))
+                   fmt::format("unknown key \"{}\"", full_key(name.c_str())),
+                   nearest.empty() ? fmt::format("known keys: {}", fmt::join(known_, ", "))
                                    : fmt::format("did you mean \"{}\"?", nearest)};
     return;
   }
 }
+
+// --- Materials ---
 
 namespace {
 
@@ -240,15 +244,15 @@ void read_overrides(TomlReader& r, Material& m) {
   r.number("rolling_resistance", m.rolling_resistance,
            {0, 1, false, "rolling resistance must be between 0 and 1"});
   r.table("micro", [&](TomlReader& t) { read_micro(t, m.micro); });
-  // Outside of it no element is small enough, or nothing rings that can be heard.
+  // Outside this range FEM elements become too small, or no mode is audible.
   const double speed = std::sqrt(m.youngs_modulus / m.density);
   if (speed < 10 || speed > 50'000)
     r.fail_at(r.has("youngs_modulus") ? "youngs_modulus" : "density",
-              fmt::format("sound would be {:.3g} m/s fast in it", speed),
+              fmt::format("the speed of sound would be {:.3g} m/s", speed),
               "the square root of youngs_modulus over density must be between 10 and 50000 m/s (rubber 30, "
               "steel 5000, diamond 18000)");
   if (m.rayleigh_alpha == 0 && m.rayleigh_beta == 0)
-    r.fail_at(r.has("rayleigh_alpha") ? "rayleigh_alpha" : "rayleigh_beta", "it would ring for ever",
+    r.fail_at(r.has("rayleigh_alpha") ? "rayleigh_alpha" : "rayleigh_beta", "the material has no damping",
               "rayleigh_alpha or rayleigh_beta must be greater than 0");
 }
 
@@ -257,7 +261,7 @@ void read_overrides(TomlReader& r, Material& m) {
 void read_material(TomlReader& reader, const char* key, Material& material) {
   const auto start_from = [&](TomlReader& at, const char* name_key) {
     std::string name = material.name;
-    at.text(name_key, name);
+    at.string(name_key, name);
     if (name == material.name) return;
     const auto found = find_material(name);
     if (found) {
@@ -280,7 +284,7 @@ Result<Material> parse_material(std::string_view text, const std::string& file_n
   TomlReader reader(*table, file_name, "", error);
   Material material;
   material.name = std::filesystem::path(file_name).stem().string();
-  reader.text("name", material.name);
+  reader.string("name", material.name);
   if (auto known = find_material(material.name); known && reader.has("name")) {
     material = *known;
   } else {
@@ -299,11 +303,11 @@ Result<Material> parse_material(std::string_view text, const std::string& file_n
   return material;
 }
 
-Result<Material> named_material(const std::string& name_or_file) {
+Result<Material> load_material(const std::string& name_or_file) {
   if (!name_or_file.ends_with(".toml")) return find_material(name_or_file);
-  const auto bytes = read_file(name_or_file, 1u << 20);
-  if (!bytes) return tl::unexpected(bytes.error());
-  return parse_material({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, name_or_file);
+  const auto text = read_text(name_or_file, 1u << 20);
+  if (!text) return tl::unexpected(text.error());
+  return parse_material(*text, name_or_file);
 }
 
 }  // namespace intaglio

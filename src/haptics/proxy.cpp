@@ -53,7 +53,7 @@ Penetration TexturedSlab::at(const Vec3& p) const {
   if (local.z() > relief_.top()) {
     offer(relief_.top() - local.z(), -Vec3::UnitZ());
   } else if (nearest.depth > 0) {
-    const surface::Smooth s = relief_.at(place.uv(local));
+    const surface::SmoothHeight s = relief_.at(place.uv(local));
     offer(s.height - local.z(), {s.gradient.x(), s.gradient.y(), -1});
   }
   return {nearest.depth, place.direction_to_world(nearest.gradient)};
@@ -66,7 +66,7 @@ TexturedMesh::TexturedMesh(std::shared_ptr<const surface::Surface> surface, surf
 Penetration TexturedMesh::at(const Vec3& p) const {
   const auto base = mesh_.closest(p, reach_);
   if (!base) return {};
-  const surface::Smooth s = relief_.at(base->uv);
+  const surface::SmoothHeight s = relief_.at(base->uv);
   const surface::Placement& place = relief_.surface().placement();
   // Slope per unit of (u, v), then along the base: times the inverse transpose of the Jacobian of base over
   // (u, v).

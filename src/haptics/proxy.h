@@ -41,9 +41,9 @@ class FeltRelief {
  public:
   FeltRelief(std::shared_ptr<const surface::Surface> surface, const SolidOptions& options);
 
-  surface::Smooth at(const Vec2& uv) const {
+  surface::SmoothHeight at(const Vec2& uv) const {
     if (flat_) return {0, Vec2::Zero()};
-    surface::Smooth s = surface_->smooth(uv, footprint_);
+    surface::SmoothHeight s = surface_->smooth(uv, footprint_);
     s.height -= offset_;
     return s;
   }

@@ -90,7 +90,7 @@ class NextNearest {
   double least(const Box& box) const { return core_.least(box); }
   double least(const FlatPiece& piece) const {
     const double least = core_.least(piece);
-    if (least < limit_ && cones_.hold_ball(piece.middle - core_.centre, piece.radius()))
+    if (least < limit_ && cones_.contains_ball(piece.middle - core_.centre, piece.radius()))
       return std::numeric_limits<double>::infinity();
     return least;
   }
@@ -100,7 +100,7 @@ class NextNearest {
     const Vec2 weights = minimiser.best().weights;
     const double distance = PointCore::distance(minimiser.best().value);
     const Vec3 away = core_.centre - piece.point(weights);
-    if (distance == 0 || away.dot(piece.base_normal(weights)) <= 0 || cones_.hold(away / distance)) return;
+    if (distance == 0 || away.dot(piece.base_normal(weights)) <= 0 || cones_.contains(away / distance)) return;
     MeshFeature next = feature_of(piece, weights);
     if (!is_local_minimum(relief_, next, core_.centre)) return;
     next.distance = distance;

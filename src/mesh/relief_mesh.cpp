@@ -58,7 +58,7 @@ Box prism(const Surface& surface, const TriangleMesh& mesh, int triangle, double
   Eigen::AlignedBox2d uv;
   for (const int k : mesh.triangles[static_cast<std::size_t>(triangle)])
     uv.extend(mesh.uvs[static_cast<std::size_t>(k)]);
-  const Extent z = surface.is_flat() ? Extent{} : extent(surface, uv.min(), uv.max());
+  const HeightRange z = surface.is_flat() ? HeightRange{} : height_range(surface, uv.min(), uv.max());
   Box box;
   const BasePatch patch = patch_of(mesh, triangle);
   for (std::size_t k = 0; k < 3; ++k) {
@@ -88,7 +88,8 @@ double texel_of(const MeshPlacement& base, const Surface& surface) {
 
 Result<ReliefMesh> ReliefMesh::make(std::shared_ptr<const Surface> surface, MeshPlacement base) {
   if (!surface) return fail("relief mesh", "has no surface", "hand one in");
-  const double deepest = surface->is_flat() ? 0 : surface->max_depth() * surface->pyramid().whole().deep;
+  const double deepest =
+      surface->is_flat() ? 0 : surface->max_depth() * surface->pyramid().total_range().deep;
   if (const auto possible = base.check_depth(deepest); !possible && deepest > 0)
     return tl::unexpected(possible.error());
   const ReliefCells cells(*surface);

@@ -140,20 +140,20 @@ CellRange ReliefCells::range(const ReliefTriangle& triangle, const WeightPolygon
 Heights ReliefCells::heights(const CellRange& range, const Vec2& about) const {
   if (surface_.is_flat()) return {0, Vec2::Zero(), 0};
   const Pyramid& pyramid = surface_.pyramid();
-  const std::int64_t first = pyramid.first(), columns = pyramid.columns(), rows = pyramid.rows();
+  const std::int64_t first = pyramid.first_cell(), columns = pyramid.columns(), rows = pyramid.rows();
   const std::int64_t period_i = floor_of_ratio(range.i0 - first, columns),
                      period_j = floor_of_ratio(range.j0 - first, rows);
   const std::int64_t i0 = range.i0 - first - period_i * columns, i1 = range.i1 - first - period_i * columns,
                      j0 = range.j0 - first - period_j * rows, j1 = range.j1 - first - period_j * rows;
   const bool repeats = surface_.edge() == Edge::wrap || (period_i == 0 && period_j == 0);
-  const auto bits = static_cast<std::uint64_t>((i0 ^ i1) | (j0 ^ j1)) / Pyramid::leaf;
+  const auto bits = static_cast<std::uint64_t>((i0 ^ i1) | (j0 ^ j1)) / Pyramid::leaf_cells;
   const int level = std::bit_width(bits);
   if (!repeats || i1 >= columns || j1 >= rows || level >= pyramid.levels()) {
-    const Pyramid::Range whole = pyramid.whole();
+    const Pyramid::Range whole = pyramid.total_range();
     return {-0.5 * surface_.max_depth() * (whole.shallow + whole.deep), Vec2::Zero(),
             0.5 * surface_.max_depth() * (whole.deep - whole.shallow)};
   }
-  const std::int64_t side = Pyramid::side(level), block_i = i0 / side, block_j = j0 / side;
+  const std::int64_t side = Pyramid::block_cells(level), block_i = i0 / side, block_j = j0 / side;
   const Pyramid::Slab slab = pyramid.slab(level, static_cast<int>(block_i), static_cast<int>(block_j));
   const auto middle = [&](std::int64_t block, std::int64_t period, std::int64_t cells) {
     return static_cast<double>(first + period * cells) +
@@ -167,7 +167,7 @@ Heights ReliefCells::heights(const CellRange& range, const Vec2& about) const {
 }
 
 std::int64_t ReliefCells::cut_between(std::int64_t from, std::int64_t to, std::int64_t cells) const {
-  const std::int64_t first = surface_.pyramid().first();
+  const std::int64_t first = surface_.pyramid().first_cell();
   const std::int64_t period = floor_of_ratio(from - first, cells), last = floor_of_ratio(to - first, cells);
   if (period < last) return first + floor_of_ratio(period + last + 1, 2) * cells;
   const std::int64_t a = from - first - period * cells, b = to - first - period * cells;

@@ -75,7 +75,7 @@ std::string table(const Inspection& i) {
                           ? (green_text(i) + (r.detected_green ? "" : ", by name: it could not be detected"))
                           : "–");
   out += row("White means", i.has_height ? (polarity_text(i) == "height" ? "high" : "deep") : "–");
-  out += row("Rows of the height", r.rows_differed ? "upside down against the normals" : "in order");
+  out += row("Rows of the height", r.rows_flipped ? "upside down against the normals" : "in order");
   out += row("Correlation", i.has_normals && i.has_height
                                 ? fmt::format("{} (along u {}, along v {})", number(r.correlation, 2),
                                               number(r.correlation_u, 2), number(r.correlation_v, 2))
@@ -116,7 +116,7 @@ std::string inspection_json(const Inspection& i) {
   add("green", i.has_normals ? json_quoted(green_text(i)) : "null");
   add("green_detected", r.detected_green ? "true" : "false");
   add("polarity", json_quoted(polarity_text(i)));
-  add("rows_differ", r.rows_differed ? "true" : "false");
+  add("rows_differ", r.rows_flipped ? "true" : "false");
   add("correlation", fmt::format("{:.6g}", r.correlation));
   add("correlation_u", fmt::format("{:.6g}", r.correlation_u));
   add("correlation_v", fmt::format("{:.6g}", r.correlation_v));

@@ -156,7 +156,8 @@ Result<Recording> render(const Scene& scene, const RenderJob& job) {
   const auto start = std::chrono::steady_clock::now();
   Outputs outputs(job.output);
   if (const auto ffmpeg = find_ffmpeg(); !ffmpeg) return tl::unexpected(ffmpeg.error());
-  if (auto named = check_named(job.output, ".mp4", "an MP4"); !named) return tl::unexpected(named.error());
+  if (auto named = check_extension(job.output, ".mp4", "an MP4"); !named)
+    return tl::unexpected(named.error());
   if (auto writable = outputs.check(); !writable) return tl::unexpected(writable.error());
 
   const auto surface = make_surface(scene);

@@ -16,11 +16,11 @@ namespace {
 
 void read_surface(TomlReader& r, SurfaceScene& surface) {
   read_texture(r, surface);
-  r.pair("size", surface.size, {0.01, 100, false, "a side must be between 0.01 m and 100 m"});
+  r.vec2("size", surface.size, {0.01, 100, false, "a side must be between 0.01 m and 100 m"});
   r.number("thickness", surface.thickness,
            {0.001, 10, false, "a thickness must be between 0.001 m and 10 m"});
-  r.vector("position", surface.position);
-  r.vector("rotation", surface.rotation);
+  r.vec3("position", surface.position);
+  r.vec3("rotation", surface.rotation);
   if (r.has("material")) {
     read_material(r, "material", surface.material.emplace(*find_material("brick")));
   } else {
@@ -35,8 +35,8 @@ void read_representation(TomlReader& r, SurfaceScene& floor) {
 }
 
 void read_physics(TomlReader& r, PhysicsScene& physics) {
-  r.whole("rate", physics.rate, {30, 20000, false, "a rate must be between 30 Hz and 20000 Hz"});
-  r.vector("gravity", physics.gravity);
+  r.integer("rate", physics.rate, {30, 20000, false, "a rate must be between 30 Hz and 20000 Hz"});
+  r.vec3("gravity", physics.gravity);
   int method = static_cast<int>(physics.method);
   r.choice("contact", {"closest", "directional"}, method);
   physics.method = static_cast<dynamics::ContactMethod>(method);
@@ -77,7 +77,7 @@ void read_pen(TomlReader& r, PenScene& pen) {
   r.number("radius", pen.radius, positive("a radius must be greater than 0 m and at most 1 m", 1));
   read_material(r, "material", pen.material);
   read_direction(r, "direction", pen.direction);
-  r.vector("workspace_origin", pen.workspace.origin);
+  r.vec3("workspace_origin", pen.workspace.origin);
   r.number("workspace_scale", pen.workspace.scale,
            positive("a scale must be greater than 0 and at most 1000", 1e3));
   int method = static_cast<int>(pen.method);
@@ -92,13 +92,13 @@ void read_pen(TomlReader& r, PenScene& pen) {
   r.number("stiffness", pen.spring.stiffness, at_least_zero("stiffness must be between 0 and 1e5 N/m", 1e5));
   r.number("damping", pen.spring.damping, at_least_zero("damping must be between 0 and 1e3 N s/m", 1e3));
   int rate = static_cast<int>(pen.device.rate);
-  r.whole("device_rate", rate, {100, 20000, false, "a servo rate must be between 100 Hz and 20000 Hz"});
+  r.integer("device_rate", rate, {100, 20000, false, "a servo rate must be between 100 Hz and 20000 Hz"});
   pen.device.rate = rate;
   r.number("device_peak_force", pen.device.peak_force,
            positive("a peak force must be greater than 0 N and at most 100 N", 100));
   r.number("device_resolution", pen.device.resolution,
            positive("a resolution must be greater than 0 m and at most 0.01 m", 0.01));
-  r.vector("device_workspace", pen.device.workspace);
+  r.vec3("device_workspace", pen.device.workspace);
   if (pen.device.workspace.minCoeff() < 0.001 || pen.device.workspace.maxCoeff() > 10)
     r.fail_at("device_workspace", "a side of the device's workspace is out of range",
               "sides must be between 0.001 m and 10 m");
@@ -113,29 +113,29 @@ void read_pen(TomlReader& r, PenScene& pen) {
 }
 
 void read_sound(TomlReader& r, SoundScene& sound) {
-  r.whole("sample_rate", sound.sample_rate,
-          {8000, 192000, false, "a sample rate must be between 8000 Hz and 192000 Hz"});
+  r.integer("sample_rate", sound.sample_rate,
+            {8000, 192000, false, "a sample rate must be between 8000 Hz and 192000 Hz"});
   r.number("gain_db", sound.gain_db, {-120, 60, false, "a gain must be between -120 dB and 60 dB"});
   int meso = -1;
   r.choice("meso", {"engine", "texels", "height"}, meso);
   if (meso >= 0) sound.meso = static_cast<sound::MesoSource>(meso);
   r.number("micro", sound.micro, at_least_zero("a level must be between 0 and 100", 100));
-  r.whole("modes", sound.modes, {1, 2000, false, "between 1 and 2000 modes a body"});
+  r.integer("modes", sound.modes, {1, 2000, false, "between 1 and 2000 modes a body"});
 }
 
 void read_video(TomlReader& r, VideoScene& video) {
-  r.whole("width", video.width, {16, 7680, false, "a width must be between 16 and 7680 pixels"});
-  r.whole("height", video.height, {16, 4320, false, "a height must be between 16 and 4320 pixels"});
-  r.whole("fps", video.fps, {1, 240, false, "between 1 and 240 frames a second"});
-  r.whole("supersample", video.supersample, {1, 4, false, "supersampling must be between 1 and 4"});
+  r.integer("width", video.width, {16, 7680, false, "a width must be between 16 and 7680 pixels"});
+  r.integer("height", video.height, {16, 4320, false, "a height must be between 16 and 4320 pixels"});
+  r.integer("fps", video.fps, {1, 240, false, "between 1 and 240 frames a second"});
+  r.integer("supersample", video.supersample, {1, 4, false, "supersampling must be between 1 and 4"});
   if (video.width % 2 != 0 || video.height % 2 != 0)
     r.fail_at(video.width % 2 != 0 ? "width" : "height", "video.width and video.height must be even",
               "H.264 needs whole 2 x 2 blocks");
 }
 
 void read_camera(TomlReader& r, CameraScene& camera) {
-  r.vector("eye", camera.eye);
-  r.vector("target", camera.target);
+  r.vec3("eye", camera.eye);
+  r.vec3("target", camera.target);
   r.number("vertical_fov", camera.vertical_fov,
            {1, 170, false, "a field of view must be between 1 and 170 degrees"});
   if ((camera.target - camera.eye).norm() < 1e-6)
@@ -160,9 +160,9 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name) {
   Scene scene;
   scene.name = name;
   TomlReader r(*parsed, name, "", error);
-  r.text("title", scene.title);
+  r.string("title", scene.title);
   r.number("duration", scene.duration, {0.1, 3600, false, "a duration must be between 0.1 s and 3600 s"});
-  r.whole("seed", scene.seed, at_least_zero("a seed must be a whole number from 0 to 1e9", 1e9));
+  r.integer("seed", scene.seed, at_least_zero("a seed must be a whole number from 0 to 1e9", 1e9));
   read_direction(r, "light", scene.light);
   r.table("surface", [&](TomlReader& t) {
     read_surface(t, scene.surface);
@@ -173,7 +173,7 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name) {
     read_surface(t, scene.grounds.emplace_back());
     read_base(t, scene.grounds.back());
     t.optional_key("representation");
-    t.only_keys("a ground: the floor's is that of all", {}, {"representation"});
+    t.only_keys("a ground (the floor's applies to all)", {}, {"representation"});
     scene.grounds.back().representation = scene.surface.representation;
   });
   r.tables("ball", [&](TomlReader& t) { read_ball(t, scene.surface, scene.balls); });

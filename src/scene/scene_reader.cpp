@@ -48,10 +48,10 @@ contact::Shape read_shape(TomlReader& r, std::string& name) {
   Vec3 size = Vec3::Constant(0.1);
   double radius = 0.05, height = 0.1;
   std::string letter = "A";
-  r.vector("size", size);
+  r.vec3("size", size);
   r.number("radius", radius, length);
   r.number("height", height, length);
-  r.text("letter", letter);
+  r.string("letter", letter);
   if ((shape == 0 || shape == 4) && (size.minCoeff() < 0.001 || size.maxCoeff() > 10))
     r.fail_at("size", "a side of the body is out of range", "sides must be between 0.001 m and 10 m");
   static const std::array<std::vector<const char*>, 5> uses = {
@@ -80,20 +80,20 @@ void read_flipper(TomlReader& r, BodyScene& body) {
   Flipper flipper;
   const bool is_flipper = r.has("key");
   r.choice("key", {"left", "right"}, flipper.key);
-  r.vector("pivot", flipper.pivot);
+  r.vec3("pivot", flipper.pivot);
   read_direction(r, "axis", flipper.axis);
   r.number("sweep", flipper.sweep, {-180, 180, false, "a sweep must be between -180 and 180 degrees"});
   if (!is_flipper)
-    return r.only_keys("a body that is no flipper (key = \"left\" or \"right\")", {},
+    return r.only_keys("a body that is not a flipper (key = \"left\" or \"right\")", {},
                        {"pivot", "axis", "sweep"});
-  r.only_keys("a flipper, which its key moves", {"pivot", "axis", "sweep"}, {"motion", "velocity", "spin"});
+  r.only_keys("a flipper (moved by its key)", {"pivot", "axis", "sweep"}, {"motion", "velocity", "spin"});
   flipper.axis.normalize();
   body.flipper = flipper;
   body.body.motion = dynamics::Motion::driven;
 }
 
 void read_colour(TomlReader& r, Vec3& colour) {
-  r.vector("colour", colour);
+  r.vec3("colour", colour);
   if (colour.minCoeff() < 0 || colour.maxCoeff() > 1)
     r.fail_at("colour", "colour is out of range", "give linear red, green, blue from 0 to 1");
 }
@@ -106,7 +106,7 @@ Quat rotation_of(const Vec3& degrees) {
 }
 
 void read_direction(TomlReader& r, const char* key, Vec3& direction) {
-  r.vector(key, direction);
+  r.vec3(key, direction);
   if (direction.norm() < 1e-9 || direction.norm() > 1e9)
     r.fail_at(key, std::string(key) + " has no direction", "give a vector that is not zero");
 }
@@ -118,9 +118,9 @@ void read_ball(TomlReader& r, const SurfaceScene& floor, std::vector<BallScene>&
   read_material(r, "material", ball.material);
   read_mass(r, ball.mass(), ball.material);
   const Pose frame = read_frame(r, floor);
-  r.vector("position", ball.position);
-  r.vector("velocity", ball.velocity);
-  r.vector("spin", ball.angular_velocity);
+  r.vec3("position", ball.position);
+  r.vec3("velocity", ball.velocity);
+  r.vec3("spin", ball.angular_velocity);
   if (r.has("colour")) {
     read_colour(r, ball.colour.emplace(Vec3::Zero()));
   } else {
@@ -144,10 +144,10 @@ void read_body(TomlReader& r, const SurfaceScene& floor, std::vector<BodyScene>&
   is.motion = static_cast<dynamics::Motion>(motion);
   const Pose frame = read_frame(r, floor);
   Vec3 position = Vec3::Zero(), degrees = Vec3::Zero(), velocity = Vec3::Zero(), spin = Vec3::Zero();
-  r.vector("position", position);
-  r.vector("rotation", degrees);
-  r.vector("velocity", velocity);
-  r.vector("spin", spin);
+  r.vec3("position", position);
+  r.vec3("rotation", degrees);
+  r.vec3("velocity", velocity);
+  r.vec3("spin", spin);
   read_colour(r, body.colour);
   r.number("kick", body.kick, at_least_zero("a kick must be between 0 and 20 m/s", 20));
   read_flipper(r, body);
@@ -162,7 +162,7 @@ void read_body(TomlReader& r, const SurfaceScene& floor, std::vector<BodyScene>&
 // Textures of a scene file, and the curved bases and bodies that they lie on.
 
 void read_texture(TomlReader& r, SurfaceScene& surface) {
-  r.text("texture", surface.texture);
+  r.string("texture", surface.texture);
   surface.line = r.line_of("texture");
   if (r.has("green")) {
     int green = 0;
@@ -194,7 +194,7 @@ void read_texture(TomlReader& r, SurfaceScene& surface) {
 namespace {
 
 void read_repeat(TomlReader& r, Vec2& repeat) {
-  r.pair("repeat", repeat, {1, 64, false, "a texture can be repeated 1 to 64 times"});
+  r.vec2("repeat", repeat, {1, 64, false, "a texture can be repeated 1 to 64 times"});
   if (repeat != Vec2(std::floor(repeat.x()), std::floor(repeat.y())))
     r.fail_at("repeat", "a texture is repeated in part", "give whole numbers");
 }
@@ -233,7 +233,7 @@ void read_base(TomlReader& r, SurfaceScene& surface) {
     base.shape = static_cast<BaseScene::Shape>(shape);
     reader.number("radius", base.radius, {0.01, 100, false, "a radius must be between 0.01 m and 100 m"});
     reader.number("height", base.height, {0.01, 100, false, "a height must be between 0.01 m and 100 m"});
-    reader.text("file", base.file);
+    reader.string("file", base.file);
     read_repeat(reader, base.repeat);
     base.line = reader.line_of("file");
     only_keys_of_base(reader, base.shape);

@@ -26,11 +26,11 @@ Result<SceneSurface> make_flat(const SurfaceScene& from) {
   out.material = *find_material("brick");
   surface::Texels texels;
   double depth = 0;
-  auto recipe = surface::recipe_named(from.texture);
+  auto recipe = surface::find_recipe(from.texture);
   if (!recipe) return tl::unexpected(recipe.error());
   if (*recipe) {
     const surface::BuiltinMaterial& about = (*recipe)->about;
-    texels = surface::to_texels(surface::make_texture(**recipe, surface::builtin_size));
+    texels = surface::to_texels(surface::make_texture(**recipe, surface::default_texture_size));
     out.material = about.material;
     out.roughness = about.roughness;
     depth = about.depth_fraction * from.size.x();

@@ -5,11 +5,11 @@
 // or not at all. One thread at a time.
 #pragma once
 
-#include <sys/types.h>
-
 #include <filesystem>
 #include <memory>
+#include <optional>
 
+#include "core/process.h"
 #include "intaglio/error.h"
 #include "intaglio/image.h"
 
@@ -36,7 +36,7 @@ class VideoWriter {
 
   std::filesystem::path ffmpeg_, target_, silent_, joined_;
   int pipe_ = -1;
-  pid_t process_ = -1;
+  std::optional<Process> encoder_;
 };
 
 }  // namespace intaglio::session

@@ -71,7 +71,7 @@ Surface placed(Surface::Impl impl, surface::Texels texels, double depth, const S
 
 Result<Surface> Surface::load(const std::filesystem::path& texture, const SurfaceOptions& options) {
   if (const auto checked = check(options); !checked) return tl::unexpected(checked.error());
-  const auto recipe = surface::recipe_named(texture.string());
+  const auto recipe = surface::find_recipe(texture.string());
   if (!recipe) return tl::unexpected(recipe.error());
   Impl impl;
   if (*recipe) {
@@ -110,7 +110,7 @@ Result<Surface> Surface::from_heights(int width, int height, std::span<const flo
   texels.depth.resize(heights.size());
   for (std::size_t k = 0; k < heights.size(); ++k)
     texels.depth[k] = range > 0 ? float((double(*high) - double(heights[k])) / range) : 0.0f;
-  texels.colour = surface::plain_colour();
+  texels.colour = surface::default_colour();
   Impl impl;
   impl.material = *find_material("brick");
   return placed(std::move(impl), std::move(texels), range, options);
@@ -173,7 +173,7 @@ Vec3 Surface::normal(const Vec2& uv, double footprint) const {
   return impl_->surface->placement().direction_to_world(sample(uv, footprint).normal);
 }
 SmoothHeight Surface::smooth(const Vec2& uv, double footprint) const {
-  const surface::Smooth s = impl_->surface->smooth(uv, footprint);
+  const surface::SmoothHeight s = impl_->surface->smooth(uv, footprint);
   return {s.height, s.gradient};
 }
 

@@ -13,13 +13,14 @@ namespace intaglio::surface {
 
 namespace {
 
-constexpr double converged = 1e-8;  // of a cell; Newton squares it in the step that gets there
+constexpr double converged =
+    1e-8;  // step in cells; convergence is quadratic, so the error is about its square
 
-double limit(double f) {
+double clamp01(double f) {
   return std::min(std::max(f, 0.0), 1.0);
 }
 
-NearestOnPatch measured(const SeenPatch& p, double s, double t) {
+PatchPoint point_at(const LocalPatch& p, double s, double t) {
   return {s, t, p.at(s, t).squaredNorm()};
 }
 
@@ -27,7 +28,7 @@ NearestOnPatch measured(const SeenPatch& p, double s, double t) {
 struct Derivatives {
   double g_s, g_t, h_ss, h_tt, h_st;
 
-  Derivatives(const SeenPatch& p, double s, double t) {
+  Derivatives(const LocalPatch& p, double s, double t) {
     const double z_s = p.z_s(t), z_t = p.z_t(s);
     const Vec3 d = p.at(s, t);
     g_s = d.x() * p.w + d.z() * z_s;
@@ -41,43 +42,43 @@ struct Derivatives {
   double newton_t() const { return -(h_ss * g_t - h_st * g_s) / determinant(); }
 };
 
-// For a patch on which the squared distance is convex, so that whatever satisfies the conditions of
-// optimality is the nearest point. Empty in the rare case that the iteration does not get there.
-std::optional<NearestOnPatch> nearest_convex(const SeenPatch& p) {
-  double s = limit(-p.x / p.w), t = limit(-p.y / p.h);
+// For a patch on which the squared distance is convex, so that a point that satisfies the optimality
+// conditions is the nearest. Empty if the iteration does not converge (rare).
+std::optional<PatchPoint> nearest_convex(const LocalPatch& p) {
+  double s = clamp01(-p.x / p.w), t = clamp01(-p.y / p.h);
   for (int iteration = 0; iteration < 12; ++iteration) {
     const Derivatives d(p, s, t);
     const bool s_held = (s <= 0 && d.g_s >= 0) || (s >= 1 && d.g_s <= 0);
     const bool t_held = (t <= 0 && d.g_t >= 0) || (t >= 1 && d.g_t <= 0);
-    if (s_held && t_held) return measured(p, s, t);
+    if (s_held && t_held) return point_at(p, s, t);
     const double from_s = s, from_t = t;
-    bool cut = false;
+    bool is_clipped = false;
     if (s_held) {
-      t = limit(t - d.g_t / d.h_tt);
+      t = clamp01(t - d.g_t / d.h_tt);
     } else if (t_held) {
-      s = limit(s - d.g_s / d.h_ss);
+      s = clamp01(s - d.g_s / d.h_ss);
     } else {
       const double to_s = s + d.newton_s(), to_t = t + d.newton_t();
-      s = limit(to_s);
-      t = limit(to_t);
-      cut = s != to_s || t != to_t;
-      // Through an edge: go on along that edge.
+      s = clamp01(to_s);
+      t = clamp01(to_t);
+      is_clipped = s != to_s || t != to_t;
+      // The step crossed an edge: minimise along that edge.
       if (s != to_s) {
         t = p.nearest_t(s);
       } else if (t != to_t) {
         s = p.nearest_s(t);
       }
     }
-    // After a cut the conditions are still to be checked, by the next round.
-    if (!cut && std::abs(s - from_s) + std::abs(t - from_t) < converged) return measured(p, s, t);
+    // After a clipped step the next round has to check the conditions.
+    if (!is_clipped && std::abs(s - from_s) + std::abs(t - from_t) < converged) return point_at(p, s, t);
   }
   return std::nullopt;
 }
 
-NearestOnPatch nearest_on_outline(const SeenPatch& p) {
-  NearestOnPatch best = measured(p, p.nearest_s(0), 0);
+PatchPoint nearest_on_outline(const LocalPatch& p) {
+  PatchPoint best = point_at(p, p.nearest_s(0), 0);
   const auto consider = [&](double s, double t) {
-    const NearestOnPatch other = measured(p, s, t);
+    const PatchPoint other = point_at(p, s, t);
     if (other.distance2 < best.distance2) best = other;
   };
   consider(p.nearest_s(1), 1);
@@ -88,8 +89,8 @@ NearestOnPatch nearest_on_outline(const SeenPatch& p) {
 
 struct Bounds {
   double low, high;
-  double largest() const { return std::max(-low, high); }  // of the magnitude
-  double least() const { return std::max(std::max(low, -high), 0.0); }
+  double max_abs() const { return std::max(-low, high); }
+  double min_abs() const { return std::max(std::max(low, -high), 0.0); }
 };
 
 Bounds between(double a, double b) {
@@ -98,28 +99,29 @@ Bounds between(double a, double b) {
 
 enum class Curvature { convex, indefinite, mixed };
 
-Curvature curvature(const SeenPatch& p) {
+Curvature curvature(const LocalPatch& p) {
   const double z1 = p.z + p.a, z2 = p.z + p.b, z3 = z1 + p.z_t(1);
   const Bounds z{std::min(std::min(p.z, z1), std::min(z2, z3)),
                  std::max(std::max(p.z, z1), std::max(z2, z3))};
   const double twist = std::abs(p.twist);
-  if (twist * z.largest() < p.w * p.h) return Curvature::convex;
-  // Not so simple: bounds of every term.
+  if (twist * z.max_abs() < p.w * p.h) return Curvature::convex;
+  // Otherwise bound each term.
   const Bounds z_s = between(p.a, p.z_s(1)), z_t = between(p.b, p.z_t(1));
   const Bounds q = between(p.twist * z.low, p.twist * z.high);
-  const Bounds one = between(z_s.low * z_t.low, z_s.high * z_t.high),
-               other = between(z_s.low * z_t.high, z_s.high * z_t.low);
-  const Bounds h_st{q.low + std::min(one.low, other.low), q.high + std::max(one.high, other.high)};
+  const Bounds same_ends = between(z_s.low * z_t.low, z_s.high * z_t.high),
+               cross_ends = between(z_s.low * z_t.high, z_s.high * z_t.low);
+  const Bounds h_st{q.low + std::min(same_ends.low, cross_ends.low),
+                    q.high + std::max(same_ends.high, cross_ends.high)};
   const auto product = [&](double s, double t) { return (p.w * p.w + s * s) * (p.h * p.h + t * t); };
-  if (h_st.largest() * h_st.largest() < product(z_s.least(), z_t.least())) return Curvature::convex;
-  if (h_st.least() * h_st.least() > product(z_s.largest(), z_t.largest())) return Curvature::indefinite;
+  if (h_st.max_abs() * h_st.max_abs() < product(z_s.min_abs(), z_t.min_abs())) return Curvature::convex;
+  if (h_st.min_abs() * h_st.min_abs() > product(z_s.max_abs(), z_t.max_abs())) return Curvature::indefinite;
   return Curvature::mixed;
 }
 
-// Improves on `best` within one patch, in its own s and t; false when there is nothing nearer. Where the
-// Hessian is singular no cut helps: after `cuts` of them a piece is 1/1024 of a side, and its outline near
+// Improves on `best` within one patch, in its own s and t; false when nothing is nearer. Subdivision does not
+// help where the Hessian is singular: after ten levels a piece is 1/1024 of a side, and its outline close
 // enough.
-bool improve(const SeenPatch& p, NearestOnPatch& best, int cuts) {
+bool refine(const LocalPatch& p, PatchPoint& best, int depth_left) {
   const Curvature kind = curvature(p);
   if (kind == Curvature::convex) {
     if (const auto found = nearest_convex(p)) {
@@ -129,15 +131,15 @@ bool improve(const SeenPatch& p, NearestOnPatch& best, int cuts) {
     }
   }
   bool improved = false;
-  const NearestOnPatch outline = nearest_on_outline(p);
+  const PatchPoint outline = nearest_on_outline(p);
   if (outline.distance2 < best.distance2) {
     best = outline;
     improved = true;
   }
-  if (kind == Curvature::indefinite || cuts == 0) return improved;
+  if (kind == Curvature::indefinite || depth_left == 0) return improved;
   for (int k = 0; k < 4; ++k) {
-    const SeenPatch quarter = p.quarter(k);
-    if (quarter.beyond(std::sqrt(best.distance2)) || !improve(quarter, best, cuts - 1)) continue;
+    const LocalPatch quarter = p.quarter(k);
+    if (quarter.farther_than(std::sqrt(best.distance2)) || !refine(quarter, best, depth_left - 1)) continue;
     best.s = 0.5 * (best.s + (k & 1));
     best.t = 0.5 * (best.t + (k >> 1));
     improved = true;
@@ -147,24 +149,24 @@ bool improve(const SeenPatch& p, NearestOnPatch& best, int cuts) {
 
 }  // namespace
 
-SeenPatch::SeenPatch(const Cell& cell, const Vec3& p)
-    : SeenPatch(cell.x0 - p.x(), cell.y0 - p.y(), cell.width(), cell.height(), cell.z[0] - p.z(),
-                cell.z[1] - p.z(), cell.z[2] - p.z(), cell.z[3] - p.z()) {}
+LocalPatch::LocalPatch(const Cell& cell, const Vec3& p)
+    : LocalPatch(cell.x0 - p.x(), cell.y0 - p.y(), cell.width(), cell.height(), cell.z[0] - p.z(),
+                 cell.z[1] - p.z(), cell.z[2] - p.z(), cell.z[3] - p.z()) {}
 
-double SeenPatch::nearest_s(double t) const {
+double LocalPatch::nearest_s(double t) const {
   const double slope = z_s(t);
-  return limit(-(x * w + (z + t * b) * slope) / (w * w + slope * slope));
+  return clamp01(-(x * w + (z + t * b) * slope) / (w * w + slope * slope));
 }
 
-double SeenPatch::nearest_t(double s) const {
+double LocalPatch::nearest_t(double s) const {
   const double slope = z_t(s);
-  return limit(-(y * h + (z + s * a) * slope) / (h * h + slope * slope));
+  return clamp01(-(y * h + (z + s * a) * slope) / (h * h + slope * slope));
 }
 
-SeenPatch SeenPatch::quarter(int k) const {
+LocalPatch LocalPatch::quarter(int k) const {
   const double s = 0.5 * (k & 1), t = 0.5 * (k >> 1);
   const Vec3 corner = at(s, t);
-  SeenPatch q = *this;
+  LocalPatch q = *this;
   q.x = corner.x();
   q.y = corner.y();
   q.z = corner.z();
@@ -176,15 +178,10 @@ SeenPatch SeenPatch::quarter(int k) const {
   return q;
 }
 
-NearestOnPatch nearest(const SeenPatch& patch) {
-  NearestOnPatch best{0, 0, std::numeric_limits<double>::infinity()};
-  improve(patch, best, 10);
+PatchPoint nearest(const LocalPatch& patch) {
+  PatchPoint best{0, 0, std::numeric_limits<double>::infinity()};
+  refine(patch, best, 10);
   return best;
-}
-
-Vec2 closest_on_cell(const Cell& cell, const Vec3& p) {
-  const NearestOnPatch found = nearest(SeenPatch(cell, p));
-  return {found.s, found.t};
 }
 
 namespace {

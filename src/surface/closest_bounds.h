@@ -1,11 +1,9 @@
-// Four pieces of the relief at once, as the asking point sees them: bounds on how far they are and on the
-// directions that they fill.
+// Bounds on distance and direction for four blocks of relief at once, relative to the query point.
 //
-// Metres; the asking point is the origin. A piece lies in a box, and within `play` along z of a tilted plane.
-// Lanes are the pieces; answers are bits, bit k of piece k. T is float where the point is near, double where
-// it is so far away that floats could not tell one block from another: every bound is loosened by `loss`,
-// more than the arithmetic can be wrong by, so what is ruled out is ruled out for certain.
-// Internal to surface/; pure, no allocation.
+// Metres; the query point is the origin. A block lies in a box, and between two tilted planes (a slab). Lanes
+// are the blocks; answers are masks, bit k for block k. T is float near the query point, double where float
+// could not resolve the blocks. Every bound is widened by `rounding_slack` times the size of its terms, which
+// exceeds the rounding error, so that pruning is conservative. Internal to surface/; pure, no allocation.
 #pragma once
 
 #include <limits>
@@ -18,7 +16,7 @@ template <class T>
 using Four = Eigen::Array<T, 4, 1>;
 
 template <class T>
-inline constexpr T loss = 16 * std::numeric_limits<T>::epsilon();
+inline constexpr T rounding_slack = 16 * std::numeric_limits<T>::epsilon();
 
 // Bit k: a[k] < b[k].
 template <class T>
@@ -31,104 +29,132 @@ template <class T>
 struct Boxes {
   Four<T> x0, x1, y0, y1, z0, z1;  // x and y may be infinite
 
-  Four<T> least_distance2() const {
+  Four<T> min_distance2() const {
     const Four<T> x = x0.max(-x1).max(T(0)), y = y0.max(-y1).max(T(0)), z = z0.max(-z1).max(T(0));
-    return (1 - loss<T>)*(x * x + y * y + z * z);
+    return (1 - rounding_slack<T>)*(x * x + y * y + z * z);
   }
 };
 
 template <class T>
-struct TiltedPieces {
+struct Slabs {
   Four<T> x, y, z;           // middle
   Four<T> slope_x, slope_y;  // of the plane
-  Four<T> play;
-  T w, h;  // sides in plan
+  Four<T> half_thickness;    // along z
+  T w, h;                    // sides in plan
 
-  // How far the plane is from its middle along z, play included.
-  Four<T> thickness() const { return play + (T(0.5) * w) * slope_x.abs() + (T(0.5) * h) * slope_y.abs(); }
+  // Half the height of the box around the slab.
+  Four<T> half_height() const {
+    return half_thickness + (T(0.5) * w) * slope_x.abs() + (T(0.5) * h) * slope_y.abs();
+  }
   Boxes<T> boxes() const {
-    const Four<T> thick = thickness();
+    const Four<T> thick = half_height();
     return {x - T(0.5) * w, x + T(0.5) * w, y - T(0.5) * h, y + T(0.5) * h, z - thick, z + thick};
   }
-  // The squared distance to the plane's piece is convex, hence above its tangent wherever that is taken: here
-  // where a clamped Newton step ends, which mostly is the nearest point, and then the bound is exact.
-  Four<T> least_distance2() const {
+  // A lower bound on the squared distance.
+  //
+  // First for the plane z(u, v) = z + sx u + sy v over the rectangle |u| <= w/2, |v| <= h/2 about (x, y). Let
+  // F be half the squared distance. In the middle its gradient is (x + z sx, y + z sy) = `grad`, and its
+  // Hessian is
+  //   [[1 + sx^2, sx sy], [sx sy, 1 + sy^2]] = [[a_xx, a_xy], [a_xy, a_yy]],
+  //   determinant a_xx a_yy - a_xy^2 = 1 + sx^2 + sy^2 = a_xx + a_yy - 1.
+  // A Newton step along x, clamped to the rectangle, and then the minimum along y for that x, clamped, lead
+  // to `step`, which mostly is the nearest point. F is convex, hence above its tangent there: with the
+  // gradient `grad_at` at the step,
+  //   2 F(u, v) >= 2 F(step) + 2 grad_at . ((u, v) - step)
+  //             >= 2 F(step) - (w |grad_at_x| + 2 grad_at_x step_x) - (h |grad_at_y| + 2 grad_at_y step_y).
+  // At the exact minimum both brackets vanish, and the bound is the distance itself. Then the slab: its
+  // relief is within half_thickness of the plane along z, and so is its distance. `size` bounds the terms of
+  // the sum.
+  Four<T> min_distance2() const {
     const T half_w = T(0.5) * w, half_h = T(0.5) * h;
-    const Four<T> e = slope_x.square() + T(1), f = slope_x * slope_y, g = slope_y.square() + T(1);
-    const Four<T> g_x = x + z * slope_x, g_y = y + z * slope_y;
-    const Four<T> at_x = ((f * g_y - g * g_x) / (e + g - T(1))).max(-half_w).min(half_w);
-    const Four<T> at_y = (-(g_y + f * at_x) / g).max(-half_h).min(half_h);
-    const Four<T> h_x = g_x + e * at_x + f * at_y, h_y = g_y + f * at_x + g * at_y;
-    const Four<T> there =
-        (x + at_x).square() + (y + at_y).square() + (z + slope_x * at_x + slope_y * at_y).square();
-    const Four<T> less_x = w * h_x.abs() + T(2) * h_x * at_x, less_y = h * h_y.abs() + T(2) * h_y * at_y;
-    const Four<T> size = there + w * (x.abs() + (z * slope_x).abs() + e * half_w + f.abs() * half_h) +
-                         h * (y.abs() + (z * slope_y).abs() + f.abs() * half_w + g * half_h);
-    const Four<T> plane2 = there - less_x - less_y - loss<T> * size;
-    return (plane2.max(T(0)).sqrt() - play).max(T(0)).square();
+    const Four<T> a_xx = slope_x.square() + T(1), a_xy = slope_x * slope_y, a_yy = slope_y.square() + T(1);
+    const Four<T> grad_x = x + z * slope_x, grad_y = y + z * slope_y;
+    const Four<T> step_x = ((a_xy * grad_y - a_yy * grad_x) / (a_xx + a_yy - T(1))).max(-half_w).min(half_w);
+    const Four<T> step_y = (-(grad_y + a_xy * step_x) / a_yy).max(-half_h).min(half_h);
+    const Four<T> grad_at_x = grad_x + a_xx * step_x + a_xy * step_y,
+                  grad_at_y = grad_y + a_xy * step_x + a_yy * step_y;
+    const Four<T> at_step =
+        (x + step_x).square() + (y + step_y).square() + (z + slope_x * step_x + slope_y * step_y).square();
+    const Four<T> deficit_x = w * grad_at_x.abs() + T(2) * grad_at_x * step_x,
+                  deficit_y = h * grad_at_y.abs() + T(2) * grad_at_y * step_y;
+    const Four<T> size = at_step + w * (x.abs() + (z * slope_x).abs() + a_xx * half_w + a_xy.abs() * half_h) +
+                         h * (y.abs() + (z * slope_y).abs() + a_xy.abs() * half_w + a_yy * half_h);
+    const Four<T> plane2 = at_step - deficit_x - deficit_y - rounding_slack<T> * size;
+    return (plane2.max(T(0)).sqrt() - half_thickness).max(T(0)).square();
   }
-  // Where the distance falls all along an axis there is no minimum, except on the border. So the cells around
-  // the piece count too, a quarter more on both sides at most; there and here slopes differ from the plane's
-  // by `spread` at most.
-  unsigned without_minimum(const Four<T>& spread_x, const Four<T>& spread_y) const {
-    const Four<T> rise = play + w * (T(0.75) * slope_x.abs() + T(0.25) * spread_x) +
+  // Mask of the blocks in which the distance is strictly monotonic along an axis, so that there is no
+  // interior minimum. Neighbouring cells are included, at most a quarter of the side on each side, so that
+  // minima on the border are covered. There and in the block, slopes differ from the plane's by `spread` at
+  // most.
+  //
+  // For x: d/dx of half the squared distance is x' + z' z_x, with x' within 0.75 w of x, z' within `rise` of
+  // z, z_x within spread_x of slope_x. So it differs from x + z slope_x by at most
+  //   0.75 w + |z| spread_x + rise (|slope_x| + spread_x),
+  // and its sign is fixed where |x + z slope_x| exceeds that. `rise`: in the block the slab allows
+  // half_thickness + 0.5 w |slope_x|, and the outer quarter 0.25 w (|slope_x| + spread_x) more; likewise in
+  // y.
+  unsigned monotonic(const Four<T>& spread_x, const Four<T>& spread_y) const {
+    const Four<T> rise = half_thickness + w * (T(0.75) * slope_x.abs() + T(0.25) * spread_x) +
                          h * (T(0.75) * slope_y.abs() + T(0.25) * spread_y);
-    const auto falls = [&](const Four<T>& at, T size, const Four<T>& slope, const Four<T>& spread) {
+    const auto is_monotonic = [&](const Four<T>& at, T size, const Four<T>& slope, const Four<T>& spread) {
       const Four<T> tilt = z * slope;
       return less<T>(T(0.75) * size + z.abs() * spread + rise * (slope.abs() + spread) +
-                         loss<T> * (at.abs() + tilt.abs()),
+                         rounding_slack<T> * (at.abs() + tilt.abs()),
                      (at + tilt).abs());
     };
-    return falls(x, w, slope_x, spread_x) | falls(y, h, slope_y, spread_y);
+    return is_monotonic(x, w, slope_x, spread_x) | is_monotonic(y, h, slope_y, spread_y);
   }
 };
 
-// What of some boxes is nearer than a reach, and whether that is in a cone.
+// Four boxes clipped to a sphere around the query point, for tests of the rest against a cone.
 template <class T>
-class Reached {
+class ClippedBoxes {
  public:
-  Reached(const Boxes<T>& boxes, T reach) {
+  ClippedBoxes(const Boxes<T>& boxes, T reach) {
     const Four<T> z = boxes.z0.max(-boxes.z1).max(T(0));
-    const Four<T> wide2 = reach * reach - z * z;
-    const Four<T> wide = wide2.max(T(0)).sqrt();
-    x0_ = boxes.x0.max(-wide);
-    x1_ = boxes.x1.min(wide);
-    y0_ = boxes.y0.max(-wide);
-    y1_ = boxes.y1.min(wide);
+    const Four<T> radius2 = reach * reach - z * z;
+    const Four<T> radius = radius2.max(T(0)).sqrt();
+    x0_ = boxes.x0.max(-radius);
+    x1_ = boxes.x1.min(radius);
+    y0_ = boxes.y0.max(-radius);
+    y1_ = boxes.y1.min(radius);
     z0_ = boxes.z0.max(-reach);
     z1_ = boxes.z1.min(reach);
     reach_ = reach;
-    far_ = (x0_.square().max(x1_.square()) + y0_.square().max(y1_.square()) + z0_.square().max(z1_.square()))
-               .sqrt()
-               .min(reach);
-    nothing_ = less<T>(wide2, Four<T>::Zero()) | less<T>(x1_, x0_) | less<T>(y1_, y0_);
+    max_distance_ =
+        (x0_.square().max(x1_.square()) + y0_.square().max(y1_.square()) + z0_.square().max(z1_.square()))
+            .sqrt()
+            .min(reach);
+    empty_ = less<T>(radius2, Four<T>::Zero()) | less<T>(x1_, x0_) | less<T>(y1_, y0_);
   }
 
-  // Bit k: nothing of piece k is both within reach and outside of the cone.
+  // Bit k: every point of box k within reach lies inside the cone, or there is none. A point p does where
+  // axis . p > cosine |p|; the left side is bounded from below, |p| by the farthest corner.
   unsigned boxes_in_cone(const Vec3& axis, double cosine) const {
     const T x = T(axis.x()), y = T(axis.y()), z = T(axis.z());
-    const Four<T> least = least_of(x, x0_, x1_) + least_of(y, y0_, y1_) + least_of(z, z0_, z1_);
-    return nothing_ | less<T>(T(cosine) * far_ + loss<T> * reach_, least);
+    const Four<T> least = min_product(x, x0_, x1_) + min_product(y, y0_, y1_) + min_product(z, z0_, z1_);
+    return empty_ | less<T>(T(cosine) * max_distance_ + rounding_slack<T> * reach_, least);
   }
-  unsigned planes_in_cone(const TiltedPieces<T>& p, const Vec3& axis, double cosine) const {
+  // The same for the slabs in the boxes: z is replaced by the plane's height, which is linear in x and y.
+  unsigned planes_in_cone(const Slabs<T>& p, const Vec3& axis, double cosine) const {
     const T x = T(axis.x()), y = T(axis.y()), z = T(axis.z());
-    const Four<T> aside = p.x * p.slope_x, behind = p.y * p.slope_y;
-    const Four<T> least = z * (p.z - aside - behind) - std::abs(z) * p.play +
-                          least_of(x + z * p.slope_x, x0_, x1_) + least_of(y + z * p.slope_y, y0_, y1_);
-    const Four<T> size =
-        reach_ * (T(1) + p.slope_x.abs() + p.slope_y.abs()) + p.z.abs() + aside.abs() + behind.abs();
-    return nothing_ | less<T>(T(cosine) * far_ + loss<T> * size, least);
+    const Four<T> slope_term_x = p.x * p.slope_x, slope_term_y = p.y * p.slope_y;
+    const Four<T> least = z * (p.z - slope_term_x - slope_term_y) - std::abs(z) * p.half_thickness +
+                          min_product(x + z * p.slope_x, x0_, x1_) + min_product(y + z * p.slope_y, y0_, y1_);
+    const Four<T> size = reach_ * (T(1) + p.slope_x.abs() + p.slope_y.abs()) + p.z.abs() +
+                         slope_term_x.abs() + slope_term_y.abs();
+    return empty_ | less<T>(T(cosine) * max_distance_ + rounding_slack<T> * size, least);
   }
 
  private:
   template <class K>
-  static Four<T> least_of(const K& k, const Four<T>& low, const Four<T>& high) {
+  static Four<T> min_product(const K& k, const Four<T>& low, const Four<T>& high) {
     return (k * low).min(k * high);
   }
 
-  Four<T> x0_, x1_, y0_, y1_, z0_, z1_, far_;
+  Four<T> x0_, x1_, y0_, y1_, z0_, z1_, max_distance_;
   T reach_;
-  unsigned nothing_;
+  unsigned empty_;
 };
 
 }  // namespace intaglio::surface

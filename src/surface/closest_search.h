@@ -1,6 +1,9 @@
-// The search that answers closest.h: a nearest-first descent of the pyramid, pruned by the best distance so
-// far. What is pruned but within reach is kept for the features after the first, which go on from there
-// instead of from the top. One object a question; on the stack, no allocation.
+// The search behind closest.h: a nearest-first descent of the pyramid, pruned by the best distance so far.
+// Blocks pruned but within reach are deferred, and later features resume from them. One object per query; on
+// the stack, no allocation.
+//
+// closest_search.cpp has three parts: the descent over tiles and quads, the bounds of a quad's blocks, and
+// the cells of a block of level 0 (a leaf).
 #pragma once
 
 #include <algorithm>
@@ -16,106 +19,108 @@
 
 namespace intaglio::surface {
 
-// How far 0 is from [low, high].
-inline double away(double low, double high) {
+// Distance of 0 from [low, high].
+inline double distance_to_interval(double low, double high) {
   return std::max(std::max(low, -high), 0.0);
 }
 
 class ClosestSearch {
  public:
   // From p, on the side `sign` of the relief (1 above, -1 below); features nearer than `reach`, which may be
-  // infinite. `goes_on`: whether next() will be called more than once.
+  // infinite. `resumable`: next() will be called more than once.
   ClosestSearch(const Surface& surface, const Vec3& p, double sign, double reach, double min_angle,
-                bool goes_on);
+                bool resumable);
 
-  // The nearest feature outside of the cones of those found so far, which are all that next() has given.
+  // The nearest feature outside the cones of `found`, which are all those that next() has returned.
   std::optional<Feature> next(std::span<const Feature> found);
 
  private:
-  // A quad of the pyramid whose blocks are to be looked at, in one of the copies of the texture.
+  // A quad of the pyramid to be searched, in one of the tiles (copies of the texture).
   struct Entry {
     double bound2;
     int level, x, y;
-    std::int8_t copy_x, copy_y;
-    std::uint8_t blocks;  // bits: which of the four
+    std::int8_t tile_x, tile_y;
+    std::uint8_t blocks;  // mask
   };
   struct Best {
-    SeenPatch patch;
-    NearestOnPatch at;
+    LocalPatch patch;
+    PatchPoint at;
     int i, j;
   };
-  // Of the three siblings left behind at each level of the deepest descent.
-  static constexpr std::size_t deepest = 4 * 32;
-  // Entries kept for later features. When there are more, the next feature starts from the top.
-  static constexpr std::size_t most_later = 64;
-  using Later = std::array<Entry, most_later>;
+  // Up to three siblings at each of 32 levels, and the current one.
+  static constexpr std::size_t max_stack = 4 * 32;
+  // When more entries are deferred, the next feature starts at the root.
+  static constexpr std::size_t max_deferred = 64;
+  using Deferred = std::array<Entry, max_deferred>;
 
   struct Blocks {
     int level, x0, x1, y0, y1;
   };
-  // Of a quad's blocks: bounds of the squared distance, and which are not ruled out.
-  struct Seen {
+  // Lower bounds on the squared distance of a quad's blocks, and a mask of the blocks still possible.
+  struct BlockBounds {
     std::array<double, 4> bound2;
-    unsigned open;
+    unsigned candidates;
   };
-  static constexpr int leaf = Pyramid::leaf;
+  static constexpr int leaf = Pyramid::leaf_cells;
   // A block of level 0.
   struct Leaf {
-    int i, j;           // its first cell, in the copy at the origin
-    int columns, rows;  // how many there are
-    bool inner;         // whether they, and those around them, are where they are stored
+    int i, j;           // its first cell, in the base tile
+    int columns, rows;  // of cells
+    bool inner;         // no cell of it, or next to it, stands for others beyond the border
     std::array<std::array<float, leaf + 1>, leaf + 1> depth;
-    std::array<double, leaf> left, low;      // where the cells begin, as seen from p
-    std::array<double, leaf * leaf> bound2;  // of the squared distance of each
+    std::array<double, leaf> left, low;      // where the cells begin, relative to the query point
+    std::array<double, leaf * leaf> bound2;  // lower bound on each cell's squared distance
   };
 
   void start();
-  void search_copy(int copy_x, int copy_y);
-  void enter_copy(int copy_x, int copy_y);
-  Blocks blocks_within(double wide) const;
-  double height_away(const Blocks& blocks) const;
+  void search_tile(int tile_x, int tile_y);
+  void enter_tile(int tile_x, int tile_y);
+  Blocks blocks_in_square(double half_side) const;
+  double min_height_distance(const Blocks& blocks) const;
   void descend(const Entry& top);
-  void keep(Entry entry, unsigned blocks);
-  Seen look_at(const Entry& entry) const { return is_far_ ? look_at<double>(entry) : look_at<float>(entry); }
+  void defer(Entry entry, unsigned blocks);
+  BlockBounds bound_blocks(const Entry& entry) const {
+    return use_double_ ? bound_blocks<double>(entry) : bound_blocks<float>(entry);
+  }
   template <class T>
-  Seen look_at(const Entry& entry) const;
+  BlockBounds bound_blocks(const Entry& entry) const;
   template <class T>
-  void lay_out(const Entry& entry, Boxes<T>& boxes, bool& at_border) const;
+  void block_rectangles(const Entry& entry, Boxes<T>& boxes, bool& at_border) const;
   template <class T>
-  TiltedPieces<T> planes_of(const Entry& entry, const Boxes<T>& boxes) const;
+  Slabs<T> slabs_of(const Entry& entry, const Boxes<T>& boxes) const;
   template <class T>
-  std::array<Four<T>, 2> spreads_of(const Entry& entry) const;
-  unsigned existing(const Entry& entry) const;
+  std::array<Four<T>, 2> slope_spreads(const Entry& entry) const;
+  unsigned existing_blocks(const Entry& entry) const;
   void prefetch(int x, int y) const;
-  // What is farther is not wanted any more.
-  double wanted() const { return goes_on_ ? reach_ : best_distance_; }
-  // Of a height that is computed in T.
+  // Anything farther is ignored.
+  double search_radius() const { return resumable_ ? reach_ : best_distance_; }
+  // Bound on the rounding error of a height computed in T.
   template <class T>
-  T height_loss() const {
-    return loss<T> / 4 * static_cast<T>(surface_.max_depth() + std::abs(asking_.z()));
+  T height_slack() const {
+    return rounding_slack<T> / 4 * T(surface_.max_depth() + std::abs(query_.z()));
   }
 
   bool visit_leaf(int x, int y);
   void load(int x, int y, Leaf& out) const;
   template <class T>
-  unsigned look_at(Leaf& block) const;
-  SeenPatch patch_of(const Leaf& block, std::size_t k) const;
-  bool has_no_minimum(const Leaf& block, std::size_t k) const;
-  enum class Verdict { best, farther, useless };
-  Verdict consider(const SeenPatch& patch, int i, int j);
+  unsigned bound_cells(Leaf& block) const;
+  LocalPatch patch_of(const Leaf& block, std::size_t k) const;
+  bool has_no_stationary_point(const Leaf& block, std::size_t k) const;
+  enum class Verdict { best, farther, rejected };
+  Verdict consider(const LocalPatch& patch, int i, int j);
   bool is_local_minimum(const Best& candidate) const;
   Vec3 normal_of(const Best& candidate) const;
   Vec3 direction_of(const Best& candidate) const;
   Feature feature() const;
 
-  // Where a cell begins, as seen from p. Under clamp the outermost ones stand for all beyond: slide them
-  // under p.
-  double start_of(double first, double size, int i, int cells) const {
+  // Where a cell begins, relative to the query point. Under clamp the outermost cells extend to infinity:
+  // move them below the query point.
+  double cell_start(double first, double size, int i, int cells) const {
     if (surface_.edge() == Edge::wrap) return first;
     if (i < 0) return std::min(first, -0.5 * size);
     return i + 1 < cells ? first : std::max(first, -0.5 * size);
   }
-  int index_of(int i, int cells, int under) const {
+  int cell_index(int i, int cells, int under) const {
     if (surface_.edge() == Edge::wrap) return i;
     if (i < 0) return std::min(i, under);
     return i + 1 < cells ? i : std::max(i, under);
@@ -123,22 +128,22 @@ class ClosestSearch {
 
   const Surface& surface_;
   const Pyramid& pyramid_;
-  double w_, h_;
-  Vec3 p_;                            // as asked
-  Vec3 asking_;                       // the same, brought to the copy of the texture at the origin
-  double sides_x_ = 0, sides_y_ = 0;  // by so many sides
+  double w_, h_;  // sides of a cell
+  Vec3 query_as_given_;
+  Vec3 query_;                        // moved into the base tile
+  double tiles_x_ = 0, tiles_y_ = 0;  // number of tiles it was moved by
   double sign_, min_angle_;
   double reach_;
-  bool goes_on_, is_far_;
+  bool resumable_, use_double_;
   Cones cones_;
   double best2_, best_distance_;
   std::optional<Best> best_;
-  int under_i_ = 0, under_j_ = 0;
-  int copy_x_ = 0, copy_y_ = 0;         // which is being searched, sides
-  double origin_x_ = 0, origin_y_ = 0;  // its first cell's corner, as seen from p
-  std::size_t later_count_ = 0;
-  bool lost_ = true;  // whether what is within reach is not all in later_
-  Later later_;
+  int cell_i_ = 0, cell_j_ = 0;         // the cell below (or above) the query point
+  int tile_x_ = 0, tile_y_ = 0;         // the tile being searched
+  double origin_x_ = 0, origin_y_ = 0;  // corner of its first cell, relative to the query point
+  std::size_t deferred_count_ = 0;
+  bool must_restart_ = true;  // deferred_ overflowed or was never filled
+  Deferred deferred_;
 };
 
 }  // namespace intaglio::surface

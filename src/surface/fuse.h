@@ -1,4 +1,12 @@
-// Plain fields on the texel grid, as import works with them: row 0 = bottom (v = 0), texels square.
+// Fusion: one height field from a quantised height map and a normal map.
+//
+// The fused height h minimises |D h - s|^2 + lambda |h - h0|^2 over the tile (a screened Poisson problem,
+// solved exactly by FFT): low frequencies come from the height map h0, slopes s from the normals. lambda is
+// the ratio of the two maps' noise powers (Wiener weighting); it is computed from the quantisation steps, not
+// tuned. Without a height map (lambda 0) the normals are integrated to an implied height. Units: heights in
+// texels, slopes dimensionless. Cost: three FFTs; a 1024 x 1024 tile takes about half a second, 8192 x 8192
+// about a minute and 2.5 GB. Sources: Frankot & Chellappa 1988 (integration in the Fourier domain); Bhat et
+// al. 2008 (screened Poisson).
 #pragma once
 
 #include <complex>
@@ -10,6 +18,7 @@
 
 namespace intaglio::surface {
 
+// A scalar field on the texel grid: row 0 = bottom (v = 0), texels square.
 struct Field {
   int width = 0;
   int height = 0;
@@ -30,28 +39,15 @@ struct Slopes {
   bool empty() const { return x.empty(); }
 };
 
-// Two-dimensional discrete Fourier transform of a complex field, in place, any size (small prime factors are
-// fast).
-
 enum class Transform { forward, inverse };
 
-// `data` is height x width; the inverse divides by width x height. O(n log n); a megapixel takes about 0.15
-// s.
+// Two-dimensional discrete Fourier transform in place, of any size (small prime factors are fast). `data` is
+// height x width; the inverse divides by width x height. O(n log n); a megapixel takes about 0.15 s.
 void fft2(std::vector<std::complex<float>>& data, int width, int height, Transform transform);
-
-// Fusion: one height field from a quantised height map and a normal map.
-//
-// The fused height minimises |D h - s|^2 + lambda |h - h0|^2 over the tile (a screened Poisson problem,
-// solved exactly by FFT): low frequencies come from the height, slopes from the normals. lambda is the ratio
-// of the two maps' noise powers (Wiener's weighting), worked out from their quantisation steps, not chosen.
-// Without a height map (h0 absent, lambda 0) the normals are integrated to an implied height. Units: heights
-// in texels, slopes dimensionless. Cost: three FFTs; a 1024 x 1024 tile takes about half a second, 8192 x
-// 8192 about a minute and 2.5 GB. Sources: Frankot & Chellappa 1988 (integration in the Fourier domain); Bhat
-// et al. 2008 (screened Poisson).
 
 enum class FuseEdge {
   periodic,  // the tile repeats
-  mirrored,  // it does not: continued by reflection, so that nothing is forced to match across the border
+  mirrored,  // the tile does not repeat: it is mirrored, so that borders need not match
 };
 
 struct FuseInput {
@@ -65,28 +61,30 @@ struct FuseInput {
 struct Fused {
   Field height;       // texels; of mean zero when there was no height map
   Slopes slopes;      // of that height
-  double lambda = 0;  // the weight that was used, 1/texel^2
-  double curl = 0;    // share of the slopes that no height can have, 0..1 (root of the energy ratio)
-  double mean_slope_x = 0,
-         mean_slope_y = 0;  // of the normals; a periodic height cannot have them, so they are left out of it
+  double lambda = 0;  // the weight, 1/texel^2
+  double curl = 0;    // root of the fraction of the slopes' energy that is not curl-free, 0..1
+  // Of the normals; removed, because a periodic height has zero mean slope.
+  double mean_slope_x = 0, mean_slope_y = 0;
 };
 
 Fused fuse(const FuseInput& input);
 
-// Noise power of slopes that come from normals whose components are rounded to `step`: mean of (step^2 / 12)
-// L^2 (1 + (p^2 + q^2)/2) with L^2 = 1 + p^2 + q^2, over the tile.
+// Noise power of slopes from normals whose three components are rounded to `step`, each with variance step^2
+// / 12. With L^2 = 1 + p^2 + q^2 = 1 / n_z^2, the slope p = -n_x / n_z has the derivatives 1 / n_z by n_x and
+// n_x / n_z^2 by n_z, hence the variance step^2 / 12 L^2 (1 + p^2); the mean of both axes is
+//   step^2 / 12 L^2 (1 + (p^2 + q^2) / 2),
+// averaged over the tile.
 double slope_noise(const Slopes& slopes, double step);
 
 // The relief that a normal map implies: its normals integrated to a height.
 //
-// What bodies and tips move on when only normals are known, so that energy is right by construction. The mean
-// height lies in the map's base plane. A mean slope above 0.001 is kept (then the result does not repeat, its
-// edge mode is clamp, and its depth grows with the rectangle); below, it is rounding, and left out. Curl that
-// no height can have is left out too (fuse.h). Cost: a few FFTs, 0.1 s at 512 x 512; any thread.
-
+// Used for dynamics and haptics when only a normal map exists, so that forces are conservative. The mean
+// height lies in the map's base plane. A mean slope above 0.001 is kept: then the result does not repeat, its
+// edge mode is clamp, and its depth grows with the rectangle. Smaller mean slopes are treated as rounding and
+// removed, as is curl. Cost: a few FFTs, 0.1 s at 512 x 512; any thread.
 struct ImpliedRelief {
   std::shared_ptr<const Surface> surface;  // the map's normals on its implied height
-  Vec2 mean_slope = Vec2::Zero();          // (dz/dx, dz/dy), local; zero when it was left out
+  Vec2 mean_slope = Vec2::Zero();          // (dz/dx, dz/dy), local; zero when it was removed
 };
 
 ImpliedRelief implied_relief(const Surface& map);

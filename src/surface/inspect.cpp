@@ -20,7 +20,7 @@ struct Picture {
 
   Picture(const Texels& texels, int widest)
       : width(std::min(widest, texels.width)), height(std::max(1, width * texels.height / texels.width)) {}
-  // The texel that pixel (x, y), row 0 = top, shows.
+  // The texel shown by pixel (x, y), row 0 = top.
   std::size_t texel(const Texels& texels, int x, int y) const {
     const int i = x * texels.width / width;
     const int j = (height - 1 - y) * texels.height / height;
@@ -36,7 +36,7 @@ Image8 picture(const Texels& texels, int widest, const Shade& shade) {
     for (int x = 0; x < size.width; ++x) {
       const Vec3 rgb = shade(x, y, size.texel(texels, x, y));
       for (int c = 0; c < 3; ++c)
-        image.at(x, y, c) = static_cast<std::uint8_t>(std::lround(255 * std::clamp(rgb[c], 0.0, 1.0)));
+        image.at(x, y, c) = std::uint8_t(std::lround(255 * std::clamp(rgb[c], 0.0, 1.0)));
     }
   }
   return image;
@@ -51,13 +51,12 @@ Vec3 colour_at(const Texels& texels, const Picture& size, int x, int y) {
 
 void measure_slopes(const Texels& texels, Inspection& out) {
   double sum = 0;
-  const double share = 1.0 / static_cast<double>(texels.normal.size());
+  const double share = 1.0 / double(texels.normal.size());
   for (const Vec3& n : texels.normal) {
     const double slope = std::hypot(n.x(), n.y()) / std::max(n.z(), 1e-6);
     const double angle = std::atan(slope) * degrees;
     sum += std::min(slope, max_slope) * std::min(slope, max_slope);
-    const auto bin =
-        std::min(static_cast<std::size_t>(angle / Inspection::bin_degrees), out.slope_histogram.size() - 1);
+    const auto bin = std::min(std::size_t(angle / Inspection::bin_degrees), out.slope_histogram.size() - 1);
     out.slope_histogram[bin] += share;
     if (angle > 45) out.steep_fraction += share;
     if (angle > 70) out.near_vertical_fraction += share;
@@ -65,20 +64,18 @@ void measure_slopes(const Texels& texels, Inspection& out) {
   out.rms_slope = std::sqrt(sum * share);
 }
 
-// Counts the levels that the height file uses.
+// Counts the levels used by the height file. Without a file the height was generated at full precision.
 Result<void> measure_terraces(Inspection& out) {
-  if (out.report.height_file.empty()) return {};  // none, or made as finely as its file format holds
+  if (out.report.height_file.empty()) return {};
   const auto image = read_image(out.report.height_file);
   if (!image) return tl::unexpected(image.error());
   std::set<float> levels;
-  const auto channels = static_cast<std::size_t>(image->pixels.channels);
-  for (std::size_t p = static_cast<std::size_t>(out.report.height_channel); p < image->pixels.data.size();
-       p += channels)
+  const auto channels = std::size_t(image->pixels.channels);
+  for (std::size_t p = std::size_t(out.report.height_channel); p < image->pixels.data.size(); p += channels)
     levels.insert(image->pixels.data[p]);
-  out.height_levels = static_cast<int>(levels.size());
+  out.height_levels = int(levels.size());
   if (levels.size() > 1) {
-    const double step =
-        static_cast<double>(*levels.rbegin() - *levels.begin()) / static_cast<double>(levels.size() - 1);
+    const double step = double(*levels.rbegin() - *levels.begin()) / double(levels.size() - 1);
     out.terrace_slope = step * out.depth_fraction * out.width;
   }
   return {};
@@ -87,21 +84,22 @@ Result<void> measure_terraces(Inspection& out) {
 void advise(Inspection& out) {
   if (out.rms_slope < 0.02) {
     out.representation = "flat";
-    out.reason = "its slopes are so small that nothing but colour would be noticed";
+    out.reason = "slopes are too small to notice; only colour matters";
   } else if (out.near_vertical_fraction > 0.02) {
     out.representation = "normal";
     out.reason = fmt::format(
-        "{:.1f} % of it is near-vertical: people preferred the normal map on such surfaces (the paper's "
-        "surface 5)",
+        "{:.1f} % of the surface is near-vertical; participants preferred the normal map on such surfaces "
+        "(the paper's surface 5)",
         100 * out.near_vertical_fraction);
   } else if (!out.has_height && out.report.curl > 0.5) {
     out.representation = "normal";
     out.reason = fmt::format(
-        "{:.0f} % of the normals' slope fits no height, so an implied relief would not be what is seen",
+        "{:.0f} % of the normals' slope is not integrable, so a derived relief would differ from the normal "
+        "map",
         100 * out.report.curl);
   } else {
     out.representation = "relief";
-    out.reason = "its slopes are moderate and fit one height, so depth makes all senses agree better";
+    out.reason = "slopes are moderate and consistent with a height, so a relief keeps all senses consistent";
   }
 }
 
@@ -141,7 +139,7 @@ Result<Inspection> inspect(const std::filesystem::path& path, const ImportOption
   out.colour = picture(texels, preview_width,
                        [&](int x, int y, std::size_t) { return colour_at(texels, size, x, y); });
   out.height_map = picture(texels, preview_width, [&](int, int, std::size_t k) -> Vec3 {
-    return Vec3::Constant(texels.depth.empty() ? 0.5 : 1 - static_cast<double>(texels.depth[k]));
+    return Vec3::Constant(texels.depth.empty() ? 0.5 : 1 - double(texels.depth[k]));
   });
   out.normal_map = picture(texels, preview_width, [&](int, int, std::size_t k) -> Vec3 {
     return 0.5 * texels.normal[k] + Vec3::Constant(0.5);

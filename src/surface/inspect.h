@@ -1,5 +1,5 @@
-// What a texture is like, in numbers: its conventions, depth, slopes, terraces, whether its normals fit a
-// height, and which representation suits it.
+// Statistics of a texture: its conventions, depth, slopes, terraces, whether its normals fit a height, and
+// which representation suits it.
 #pragma once
 
 #include <array>
@@ -16,30 +16,29 @@ struct Inspection {
   ImportReport report;
   double depth_fraction = 0;  // full depth over the side
 
-  // Of the slopes that the imported surface has, in degrees from the base plane.
+  // Slopes of the imported surface, in degrees from the base plane.
   static constexpr int bin_degrees = 5;
   std::array<double, 90 / bin_degrees> slope_histogram{};  // fractions of the texels
   double rms_slope = 0;
   double steep_fraction = 0;          // above 45 degrees
   double near_vertical_fraction = 0;  // above 70 degrees
 
-  // Terraces of the height file: how many levels it uses, and the slope of one level over one texel; a smooth
-  // ramp less steep than that comes as stairs.
+  // Terraces of the height file: the number of levels it uses, and the slope of one level over one texel; a
+  // gentler ramp is quantised into steps.
   int height_levels = 0;
   double terrace_slope = 0;
 
   std::string representation;  // "relief", "normal" or "flat"
   std::string reason;          // one sentence
 
-  Image8 colour, height_map, normal_map, preview;  // for people: RGB, row 0 = top, at most 512 wide
+  Image8 colour, height_map, normal_map, preview;  // previews: RGB, row 0 = top, at most 512 wide
   std::vector<std::string> notes, warnings;
 };
 
-// Reads and imports the texture (fused) and looks at it.
+// Imports the texture and measures it.
 Result<Inspection> inspect(const std::filesystem::path& path, const ImportOptions& options);
 
-// The surface lit from the upper left over its colours: what a viewer would see of its slopes. RGB, row 0 =
-// top.
+// The coloured surface lit from the upper left, which shows its slopes. RGB, row 0 = top.
 Image8 relit_preview(const Texels& texels, int width);
 
 }  // namespace intaglio::surface

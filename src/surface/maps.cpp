@@ -16,13 +16,13 @@ int flipped(int y, int height) {
 }
 
 Vec3 vector_at(const Pixels& image, int x, int y) {
-  return {2.0 * static_cast<double>(image.at(x, y, 0)) - 1, 2.0 * static_cast<double>(image.at(x, y, 1)) - 1,
-          2.0 * static_cast<double>(image.at(x, y, 2)) - 1};
+  return {2.0 * double(image.at(x, y, 0)) - 1, 2.0 * double(image.at(x, y, 1)) - 1,
+          2.0 * double(image.at(x, y, 2)) - 1};
 }
 
 }  // namespace
 
-void encode_signed_normals(Pixels& image) {
+void map_signed_normals_to_unit_range(Pixels& image) {
   if (image.channels < 3 || std::none_of(image.data.begin(), image.data.end(), [](float v) { return v < 0; }))
     return;
   for (int y = 0; y < image.height; ++y) {
@@ -32,12 +32,12 @@ void encode_signed_normals(Pixels& image) {
   }
 }
 
-bool normalise(Field& field) {
+bool stretch_to_unit_range(Field& field) {
   const auto [low, high] = std::minmax_element(field.value.begin(), field.value.end());
   if (field.empty() || (*low >= 0 && *high <= 1)) return false;
   const double from = *low;
-  const double range = std::max(1e-30, static_cast<double>(*high) - from);
-  for (float& v : field.value) v = static_cast<float>((static_cast<double>(v) - from) / range);
+  const double range = std::max(1e-30, double(*high) - from);
+  for (float& v : field.value) v = float((double(v) - from) / range);
   return true;
 }
 
@@ -53,33 +53,33 @@ bool looks_like_normals(const Pixels& image) {
 }
 
 bool is_constant(const Pixels& image, int channel) {
-  const auto step = static_cast<std::size_t>(image.channels);
-  const float first = image.data[static_cast<std::size_t>(channel)];
-  for (std::size_t p = static_cast<std::size_t>(channel); p < image.data.size(); p += step) {
+  const auto step = std::size_t(image.channels);
+  const float first = image.data[std::size_t(channel)];
+  for (std::size_t p = std::size_t(channel); p < image.data.size(); p += step) {
     if (image.data[p] != first) return false;
   }
   return true;
 }
 
-Slopes read_slopes(const Pixels& image, double* clamped) {
-  Slopes slopes{Field(image.width, image.height), Field(image.width, image.height)};
+MapSlopes read_slopes(const Pixels& image) {
+  MapSlopes out{{Field(image.width, image.height), Field(image.width, image.height)}, 0};
   std::size_t beyond = 0;
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
       const Vec3 n = vector_at(image, x, y);
-      const double up = std::max(
-          n.z(), 1e-6);  // a height field has no overhangs; 8-bit files round vertical walls to below 0
+      // A height field has no overhangs; 8-bit files round the z of vertical walls to below 0.
+      const double up = std::max(n.z(), 1e-6);
       Vec2 slope(-n.x() / up, -n.y() / up);
       if (slope.norm() > max_slope) {
         ++beyond;
         slope *= max_slope / slope.norm();
       }
-      slopes.x.at(x, flipped(y, image.height)) = static_cast<float>(slope.x());
-      slopes.y.at(x, flipped(y, image.height)) = static_cast<float>(slope.y());
+      out.slopes.x.at(x, flipped(y, image.height)) = float(slope.x());
+      out.slopes.y.at(x, flipped(y, image.height)) = float(slope.y());
     }
   }
-  if (clamped != nullptr) *clamped = static_cast<double>(beyond) / static_cast<double>(slopes.x.value.size());
-  return slopes;
+  out.clamped = double(beyond) / double(out.slopes.x.value.size());
+  return out;
 }
 
 Field read_height(const Pixels& image, int channel) {
@@ -102,31 +102,31 @@ Image8 read_colour(const Pixels& image) {
       for (int c = 0; c < 3; ++c) {
         const float value = image.at(x, y, image.channels < 3 ? 0 : c);
         colour.at(x, flipped(y, image.height), c) =
-            static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0f, 1.0f) * 255));
+            std::uint8_t(std::lround(std::clamp(value, 0.0f, 1.0f) * 255));
       }
     }
   }
   return colour;
 }
 
-Image8 plain_colour() {
+Image8 default_colour() {
   Image8 colour(1, 1, 3);
   std::fill(colour.data.begin(), colour.data.end(), std::uint8_t{176});
   return colour;
 }
 
-Field resampled(const Field& field, int width, int height) {
+Field resample(const Field& field, int width, int height) {
   Field out(width, height);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const double fx = std::clamp((x + 0.5) * field.width / width - 0.5, 0.0, field.width - 1.0);
       const double fy = std::clamp((y + 0.5) * field.height / height - 0.5, 0.0, field.height - 1.0);
-      const int x0 = std::min(static_cast<int>(fx), std::max(0, field.width - 2));
-      const int y0 = std::min(static_cast<int>(fy), std::max(0, field.height - 2));
+      const int x0 = std::min(int(fx), std::max(0, field.width - 2));
+      const int y0 = std::min(int(fy), std::max(0, field.height - 2));
       const int x1 = std::min(x0 + 1, field.width - 1);
       const int y1 = std::min(y0 + 1, field.height - 1);
-      const auto s = static_cast<float>(fx - x0);
-      const auto t = static_cast<float>(fy - y0);
+      const auto s = float(fx - x0);
+      const auto t = float(fy - y0);
       out.at(x, y) = (1 - t) * ((1 - s) * field.at(x0, y0) + s * field.at(x1, y0)) +
                      t * ((1 - s) * field.at(x0, y1) + s * field.at(x1, y1));
     }
@@ -144,12 +144,12 @@ void negate(Field& field) {
   scale(field, -1);
 }
 
-void complement(Field& field) {
+void invert(Field& field) {
   for (float& v : field.value) v = 1 - v;
 }
 
 void scale(Field& field, double factor) {
-  for (float& v : field.value) v *= static_cast<float>(factor);
+  for (float& v : field.value) v *= float(factor);
 }
 
 void scale(Slopes& slopes, double factor) {
@@ -160,8 +160,7 @@ void scale(Slopes& slopes, double factor) {
 std::vector<Vec3> normals_of(const Slopes& slopes) {
   std::vector<Vec3> normals(slopes.x.value.size());
   for (std::size_t k = 0; k < normals.size(); ++k)
-    normals[k] = Vec3(-static_cast<double>(slopes.x.value[k]), -static_cast<double>(slopes.y.value[k]), 1)
-                     .normalized();
+    normals[k] = Vec3(-double(slopes.x.value[k]), -double(slopes.y.value[k]), 1).normalized();
   return normals;
 }
 
@@ -172,7 +171,7 @@ void rescale_normals(std::vector<Vec3>& normals, double factor) {
 Slopes central_slopes(const Field& height, double depth_fraction) {
   const int w = height.width;
   const int h = height.height;
-  const auto scale_to_slope = static_cast<float>(depth_fraction * w / 2);  // texels are square
+  const auto scale_to_slope = float(depth_fraction * w / 2);  // texels are square
   Slopes slopes{Field(w, h), Field(w, h)};
   for (int y = 0; y < h; ++y) {
     for (int x = 0; x < w; ++x) {
@@ -184,14 +183,15 @@ Slopes central_slopes(const Field& height, double depth_fraction) {
 }
 
 Texels to_texels(const TextureImages& images) {
-  const Pixels relief = unit_range(images.relief);
+  const Pixels relief = to_unit_range(images.relief);
   const Field depth = read_height(relief, 3);
-  return {relief.width, relief.height, depth.value, normals_of(read_slopes(relief, nullptr)),
-          read_colour(unit_range(images.colour))};
+  return {relief.width, relief.height, depth.value, normals_of(read_slopes(relief).slopes),
+          read_colour(to_unit_range(images.colour))};
 }
 
 namespace {
 
+// Half the size, without an odd last row or column: only correlations are taken from it.
 Field halved(const Field& field) {
   Field half(std::max(1, field.width / 2), std::max(1, field.height / 2));
   for (int y = 0; y < half.height; ++y) {
@@ -203,14 +203,6 @@ Field halved(const Field& field) {
     }
   }
   return half;
-}
-
-Field flipped_rows(const Field& field) {
-  Field out(field.width, field.height);
-  for (int y = 0; y < field.height; ++y) {
-    for (int x = 0; x < field.width; ++x) out.at(x, y) = field.at(x, field.height - 1 - y);
-  }
-  return out;
 }
 
 // Moments of pairs (a, b).
@@ -241,11 +233,11 @@ struct Agreement {
   double score() const { return std::sqrt(0.5 * (u * u + v * v)); }
 };
 
-// `side`: texels a tile width, so that slopes are those of a full depth of one side.
+// Slopes of the height are those of a full depth of one side.
 Agreement compare(const Slopes& slopes, const Field& height) {
   Moments u, v;
   const double scale = height.width / 2.0;
-  // Inner texels only: whether the tile wraps is not known here.
+  // Inner texels only, because the tile may not wrap.
   for (int y = 1; y + 1 < height.height; ++y) {
     for (int x = 1; x + 1 < height.width; ++x) {
       u.add(slopes.x.at(x, y), scale * (height.at(x + 1, y) - height.at(x - 1, y)));
@@ -264,23 +256,24 @@ Agreement compare(const Slopes& slopes, const Field& height) {
 
 }  // namespace
 
-Detection detect(const Slopes& slopes, const Field& height) {
+Detection detect_conventions(const Slopes& slopes, const Field& height) {
   Slopes s = slopes;
-  Field h = height;
-  Field flipped = flipped_rows(height);
+  Field h = height, flipped = height;
+  flip_rows(flipped);
   Agreement best;
-  bool rows_differ = false;
+  bool rows_flipped = false;
   for (int level = 0; level < 4 && std::min(h.width, h.height) >= 16; ++level) {
-    const Agreement straight = compare(s, h);
-    const Agreement other = compare(s, flipped);
+    const Agreement as_given = compare(s, h);
+    const Agreement upside_down = compare(s, flipped);
     // Flipping needs clear evidence: symmetric textures correlate both ways.
-    if (straight.score() > best.score() && !(rows_differ && straight.score() < best.score() + 0.2)) {
-      best = straight;
-      rows_differ = false;
+    if (as_given.score() > best.score() && !(rows_flipped && as_given.score() < best.score() + 0.2)) {
+      best = as_given;
+      rows_flipped = false;
     }
-    if (other.score() > straight.score() + 0.2 && other.score() > best.score() + (rows_differ ? 0 : 0.2)) {
-      best = other;
-      rows_differ = true;
+    if (upside_down.score() > as_given.score() + 0.2 &&
+        upside_down.score() > best.score() + (rows_flipped ? 0 : 0.2)) {
+      best = upside_down;
+      rows_flipped = true;
     }
     s = {halved(s.x), halved(s.y)};
     h = halved(h);
@@ -290,16 +283,17 @@ Detection detect(const Slopes& slopes, const Field& height) {
   out.correlation_u = best.u;
   out.correlation_v = best.v;
   out.correlation = best.score();
-  out.rows_differ = rows_differ;
+  out.rows_flipped = rows_flipped;
   out.implied_depth = best.power > 0 ? best.covariance / best.power : 0;
-  // u tells what white means, and v compared with u the sign of green. An axis along which nothing varies
-  // tells nothing: then green is taken to be +Y.
-  constexpr double tells = 0.1;
-  const bool u_tells = std::abs(best.u) > tells;
-  const bool v_tells = std::abs(best.v) > tells;
-  const double decisive = u_tells ? best.u : best.v;
-  out.polarity = decisive >= 0 ? Polarity::height : Polarity::depth;
-  out.green = u_tells && v_tells && (best.u >= 0) != (best.v >= 0) ? Green::minus_y : Green::plus_y;
+  // The sign along u gives the polarity; the sign along v relative to u gives green's. An axis without
+  // variation carries no information: then green is assumed to be +Y.
+  constexpr double significant = 0.1;  // correlation
+  const bool u_significant = std::abs(best.u) > significant;
+  const bool v_significant = std::abs(best.v) > significant;
+  const double reference = u_significant ? best.u : best.v;
+  out.polarity = reference >= 0 ? Polarity::height : Polarity::depth;
+  out.green =
+      u_significant && v_significant && (best.u >= 0) != (best.v >= 0) ? Green::minus_y : Green::plus_y;
   return out;
 }
 

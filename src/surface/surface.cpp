@@ -17,11 +17,12 @@ Surface::Surface(Texels texels, const Placement& placement, double max_depth, Ed
   assert(texels.width > 0 && texels.height > 0 && max_depth >= 0);
   assert(texels.normal.size() == grid_.size());
   assert(!has_depth_ || texels.depth.size() == grid_.size());
-  per_texel_ = 1 / std::sqrt(texel_u() * texel_v());
+  texels_per_metre_ = 1 / std::sqrt(texel_u() * texel_v());
   std::vector<PackedNormal> normal;
   normal.reserve(texels.normal.size());
   for (const Vec3& n : texels.normal) normal.push_back(PackedNormal::pack(n));
-  std::vector<Vec3>().swap(texels.normal);  // six times the packed ones: gone before the levels are built
+  // Freed before the levels are built: they take six times the packed normals' memory.
+  std::vector<Vec3>().swap(texels.normal);
   tiles_ = TexelTiles(grid_, texels.depth, normal);
   pyramid_ = Pyramid(texels.depth, grid_);
   mips_ = Mips(grid_, texels.depth, normal);
@@ -38,9 +39,7 @@ BilinearTaps Surface::taps(const Vec2& uv) const {
 
 double Surface::depth_at(const BilinearTaps& at) const {
   if (!has_depth()) return 0;
-  const auto depth = [&](std::size_t k) {
-    return max_depth_ * static_cast<double>(tiles_.depth(at.index[k]));
-  };
+  const auto depth = [&](std::size_t k) { return max_depth_ * double(tiles_.depth(at.index[k])); };
   const double low = depth(0) * (1 - at.x) + depth(1) * at.x, high = depth(2) * (1 - at.x) + depth(3) * at.x;
   return low * (1 - at.y) + high * at.y;
 }
@@ -53,7 +52,7 @@ Vec3 Surface::normal_at(const BilinearTaps& at) const {
 
 Vec2 Surface::gradient_at(const BilinearTaps& at) const {
   if (!has_depth()) return Vec2::Zero();
-  const Interpolated depth = at([&](std::size_t k) { return static_cast<double>(tiles_.depth(k)); });
+  const Interpolated depth = at([&](std::size_t k) { return double(tiles_.depth(k)); });
   return {-max_depth_ * depth.d_x * grid_.width / placement_.size_u(),
           -max_depth_ * depth.d_y * grid_.height / placement_.size_v()};
 }
@@ -67,7 +66,7 @@ Vec3 Surface::normal(const Vec2& uv) const {
 }
 
 Vec3 Surface::texel_normal(const Vec2& uv) const {
-  return unpacked(Split(uv.x() * width()).index, Split(uv.y() * height()).index);
+  return normal_of_texel(TexelCoordinate(uv.x() * width()).index, TexelCoordinate(uv.y() * height()).index);
 }
 
 Vec2 Surface::gradient(const Vec2& uv) const {
@@ -75,15 +74,15 @@ Vec2 Surface::gradient(const Vec2& uv) const {
 }
 
 Sample Surface::sample(const Vec2& uv, double footprint) const {
-  const Mips::Blend blend = mips_.blend(footprint * per_texel_);
-  if (blend.level == 0 && blend.next == 0) {
+  const Mips::LevelBlend blend = mips_.levels_for(footprint * texels_per_metre_);
+  if (blend.level == 0 && blend.weight_of_next == 0) {
     const BilinearTaps at = taps(uv);
     return {depth_at(at), normal_at(at), gradient_at(at), 0};
   }
-  Averaged s = averaged(blend.level, uv);
-  if (blend.next > 0) {
-    const Averaged coarse = averaged(blend.level + 1, uv);
-    const double a = 1 - blend.next, b = blend.next;
+  Moments s = moments_at(blend.level, uv);
+  if (blend.weight_of_next > 0) {
+    const Moments coarse = moments_at(blend.level + 1, uv);
+    const double a = 1 - blend.weight_of_next, b = blend.weight_of_next;
     s.depth = a * s.depth + b * coarse.depth;
     s.gradient = a * s.gradient + b * coarse.gradient;
     s.slope = a * s.slope + b * coarse.slope;
@@ -92,7 +91,7 @@ Sample Surface::sample(const Vec2& uv, double footprint) const {
   return {s.depth, Vec3(-s.slope.x(), -s.slope.y(), 1).normalized(), s.gradient, std::sqrt(s.variance)};
 }
 
-Surface::Averaged Surface::averaged(int level, const Vec2& uv) const {
+Surface::Moments Surface::moments_at(int level, const Vec2& uv) const {
   if (level == 0) {
     const BilinearTaps at = taps(uv);
     return {depth_at(at), gradient_at(at), slope_of(normal_at(at)), 0};
@@ -104,23 +103,23 @@ Surface::Averaged Surface::averaged(int level, const Vec2& uv) const {
   return {max_depth_ * m.depth, m.depth_slope.cwiseProduct(per_metre), m.slope, m.variance};
 }
 
-Smooth Surface::smooth(const Vec2& uv, double footprint) const {
+SmoothHeight Surface::smooth(const Vec2& uv, double footprint) const {
   if (!has_depth()) return {0, Vec2::Zero()};
-  const Mips::Blend blend = mips_.blend(footprint * per_texel_);
-  Smooth s = smooth_level(blend.level, uv);
-  if (blend.next > 0) {
-    const Smooth coarse = smooth_level(blend.level + 1, uv);
-    s.height += blend.next * (coarse.height - s.height);
-    s.gradient += blend.next * (coarse.gradient - s.gradient);
+  const Mips::LevelBlend blend = mips_.levels_for(footprint * texels_per_metre_);
+  SmoothHeight s = smooth_at_level(blend.level, uv);
+  if (blend.weight_of_next > 0) {
+    const SmoothHeight coarse = smooth_at_level(blend.level + 1, uv);
+    s.height += blend.weight_of_next * (coarse.height - s.height);
+    s.gradient += blend.weight_of_next * (coarse.gradient - s.gradient);
   }
   return s;
 }
 
-Smooth Surface::smooth_level(int level, const Vec2& uv) const {
+SmoothHeight Surface::smooth_at_level(int level, const Vec2& uv) const {
   const Grid& grid = level == 0 ? grid_ : mips_.grid(level);
   const double x = uv.x() * grid.width - 0.5, y = uv.y() * grid.height - 0.5;
   const Interpolated depth =
-      level == 0 ? bicubic(tiles_, x, y, [&](std::size_t k) { return static_cast<double>(tiles_.depth(k)); })
+      level == 0 ? bicubic(tiles_, x, y, [&](std::size_t k) { return double(tiles_.depth(k)); })
                  : bicubic(grid, x, y, [&](std::size_t k) { return mips_.depth(level, k); });
   return {-max_depth_ * depth.value,
           {-max_depth_ * depth.d_x * grid.width / placement_.size_u(),
@@ -138,7 +137,7 @@ Cell Surface::cell(int i, int j) const {
 }
 
 std::pair<int, int> Surface::cell_at(double x, double y) const {
-  return {Split(x / texel_u() - 0.5).index, Split(y / texel_v() - 0.5).index};
+  return {TexelCoordinate(x / texel_u() - 0.5).index, TexelCoordinate(y / texel_v() - 0.5).index};
 }
 
 std::vector<float> Surface::depth_texture() const {
@@ -156,8 +155,8 @@ std::vector<float> Surface::normal_texture() const {
   out.reserve(grid_.size() * 3);
   for (int j = 0; j < height(); ++j) {
     for (int i = 0; i < width(); ++i) {
-      const Vec3 n = unpacked(i, j);
-      for (int k = 0; k < 3; ++k) out.push_back(static_cast<float>(n[k]));
+      const Vec3 n = normal_of_texel(i, j);
+      for (int k = 0; k < 3; ++k) out.push_back(float(n[k]));
     }
   }
   return out;
@@ -165,8 +164,8 @@ std::vector<float> Surface::normal_texture() const {
 
 namespace {
 
-// Depth fractions met so far.
-struct Found {
+// Depth fractions found so far.
+struct DepthRange {
   double shallow = std::numeric_limits<double>::infinity();
   double deep = -std::numeric_limits<double>::infinity();
 
@@ -176,16 +175,16 @@ struct Found {
   }
 };
 
-// A stretch of one axis in texels (texel centres at integers).
-struct Stretch {
+// An interval of one axis in texels (texel centres at integers).
+struct Interval {
   double low, high;
 };
 
-// The bilinear patches over `x` x `y`, which is within one period of cells.
-class Search {
+// Adds the depths over `x` x `y`, which is within one period of cells.
+class RangeSearch {
  public:
-  Search(const Surface& surface, const Stretch& x, const Stretch& y, Found& found)
-      : surface_(surface), pyramid_(surface.pyramid()), x_(x), y_(y), found_(found) {}
+  RangeSearch(const Surface& surface, const Interval& x, const Interval& y, DepthRange& range)
+      : surface_(surface), pyramid_(surface.pyramid()), x_(x), y_(y), range_(range) {}
 
   void run() { descend(pyramid_.levels() - 1, 0, 0); }
 
@@ -193,19 +192,19 @@ class Search {
   void descend(int level, int x, int y) {
     const Pyramid::Bounds4 quad = pyramid_.quad(level, x, y);
     for (int k = 0; k < 4; ++k) {
-      const int side = Pyramid::side(level), cx = 2 * x + (k & 1), cy = 2 * y + (k >> 1);
+      const int side = Pyramid::block_cells(level), cx = 2 * x + (k & 1), cy = 2 * y + (k >> 1);
       const double shallow = quad.shallow[std::size_t(k)], deep = quad.deep[std::size_t(k)];
-      if (shallow > deep || (shallow >= found_.shallow && deep <= found_.deep))
-        continue;  // missing, or nothing new in it
-      const double x0 = pyramid_.first() + cx * side,
-                   x1 = std::min(x0 + side, double(pyramid_.first() + pyramid_.columns()));
-      const double y0 = pyramid_.first() + cy * side,
-                   y1 = std::min(y0 + side, double(pyramid_.first() + pyramid_.rows()));
+      if (shallow > deep) continue;  // missing
+      if (shallow >= range_.shallow && deep <= range_.deep) continue;
+      const double x0 = pyramid_.first_cell() + cx * side,
+                   x1 = std::min(x0 + side, double(pyramid_.first_cell() + pyramid_.columns()));
+      const double y0 = pyramid_.first_cell() + cy * side,
+                   y1 = std::min(y0 + side, double(pyramid_.first_cell() + pyramid_.rows()));
       if (x_.high < x0 || x_.low > x1 || y_.high < y0 || y_.low > y1) continue;
       const bool inside = x_.low <= x0 && x_.high >= x1 && y_.low <= y0 && y_.high >= y1;
       if (inside && level > 0) {
-        found_.add(shallow);
-        found_.add(deep);
+        range_.add(shallow);
+        range_.add(deep);
       } else if (level > 0) {
         descend(level - 1, cx, cy);
       } else {
@@ -214,11 +213,11 @@ class Search {
     }
   }
 
-  // The corners of the rectangle and of its intersections with the cells: the patches' extremes.
-  void cells(const Stretch& x, const Stretch& y) {
+  // The patches' extremes are at the corners of the rectangle's intersections with the cells.
+  void cells(const Interval& x, const Interval& y) {
     for (double b = y.low;; b = std::min(std::floor(b) + 1, y.high)) {
       for (double a = x.low;; a = std::min(std::floor(a) + 1, x.high)) {
-        found_.add(depth(a, b));
+        range_.add(depth(a, b));
         if (a >= x.high) break;
       }
       if (b >= y.high) break;
@@ -236,18 +235,18 @@ class Search {
 
   const Surface& surface_;
   const Pyramid& pyramid_;
-  Stretch x_, y_;
-  Found& found_;
+  Interval x_, y_;
+  DepthRange& range_;
 };
 
-// The stretches of one period [0, n] that a..b covers: one, or two when it crosses the seam.
-struct Stretches {
-  std::array<Stretch, 2> part;
+// The intervals of one period [0, n] that a..b covers: one, or two when it crosses the seam.
+struct WrappedIntervals {
+  std::array<Interval, 2> part;
   std::size_t count;
 
-  Stretches(double a, double b, int n, Edge edge) : part{}, count(1) {
+  WrappedIntervals(double a, double b, int n, Edge edge) : part{}, count(1) {
     if (edge == Edge::clamp) {
-      // Beyond the outermost texel centres nothing changes.
+      // Beyond the outermost texel centres the relief is constant.
       part[0] = {std::clamp(a, 0.0, n - 1.0), std::clamp(b, 0.0, n - 1.0)};
       return;
     }
@@ -265,23 +264,25 @@ struct Stretches {
 
 }  // namespace
 
-Extent extent(const Surface& surface, const Vec2& uv_a, const Vec2& uv_b) {
+HeightRange height_range(const Surface& surface, const Vec2& uv_a, const Vec2& uv_b) {
   if (!surface.has_depth()) return {};
   const double z = -surface.max_depth();
   if (!uv_a.allFinite() || !uv_b.allFinite()) {
-    const Pyramid::Range whole = surface.pyramid().whole();
-    return {z * whole.deep, z * whole.shallow};
+    const Pyramid::Range total = surface.pyramid().total_range();
+    return {z * total.deep, z * total.shallow};
   }
   const Vec2 low = uv_a.cwiseMin(uv_b), high = uv_a.cwiseMax(uv_b);
   const Grid& grid = surface.grid();
-  const Stretches across(low.x() * grid.width - 0.5, high.x() * grid.width - 0.5, grid.width, grid.edge);
-  const Stretches along(low.y() * grid.height - 0.5, high.y() * grid.height - 0.5, grid.height, grid.edge);
-  Found found;
+  const WrappedIntervals across(low.x() * grid.width - 0.5, high.x() * grid.width - 0.5, grid.width,
+                                grid.edge);
+  const WrappedIntervals along(low.y() * grid.height - 0.5, high.y() * grid.height - 0.5, grid.height,
+                               grid.edge);
+  DepthRange range;
   for (std::size_t b = 0; b < along.count; ++b) {
     for (std::size_t a = 0; a < across.count; ++a)
-      Search(surface, across.part[a], along.part[b], found).run();
+      RangeSearch(surface, across.part[a], along.part[b], range).run();
   }
-  return {z * found.deep, z * found.shallow};
+  return {z * range.deep, z * range.shallow};
 }
 
 }  // namespace intaglio::surface

@@ -1,9 +1,23 @@
-// Where a texture lies in the world: a rectangle.
+// A Surface answers every query about one texture: depth, normal, gradient, colour.
+//
+// Immutable after construction; any thread; no query allocates. Depth is in metres below the base plane, 0 =
+// top, as in the paper's alpha channel (§1.2.1); normals are unit vectors of the tangent frame (t, b, n), +Y
+// up the image. Texels are samples at texel centres; between them depth is bilinear, so the relief is a field
+// of bilinear patches ("cells") whose corners are texel centres. Outside 0..1 the texture repeats (wrap) or
+// its border texels extend outwards (clamp).
+//
+// Three ways to read it. `depth`, `normal`, `gradient`: the texels as they are. `sample`: what a body, tip or
+// pixel of a given diameter can resolve, from mip levels (texels.h). `smooth`: a C1 height with its exact
+// gradient, for forces that must derive from a potential. Cost: 0.05 to 0.1 us with texels in cache, plus a
+// few cache misses otherwise. Rays, nearest points and bounds have queries of their own (ray.h, closest.h,
+// height_range below) on the pyramid. Memory: 11.7 bytes a texel (2.9 MiB at 512 x 512), and the colour
+// image.
 //
 // Three frames are used for a textured rectangle:
-//   uv      (u, v) in 0..1; u to the right of the image, v **up** the image (v = 0 is the bottom row)
+//   uv      (u, v) in 0..1; u to the right of the image, v up the image (v = 0 is the bottom row)
 //   local   (x, y, z) in metres along (t, b, n), from the corner u = v = 0; z = 0 is the base plane and the
-//   relief is at z = -depth world   metres
+//           relief is at z = -depth
+//   world   metres
 #pragma once
 
 #include <array>
@@ -19,10 +33,11 @@
 
 namespace intaglio::surface {
 
+// The rectangle that a texture covers in the world.
 class Placement {
  public:
-  // A rectangle of size_u x size_v metres whose middle is at `centre`, lying flat in the world when
-  // `orientation` is the identity: t = +X, b = -Z, n = +Y.
+  // A rectangle of size_u x size_v metres centred at `centre`. With the identity as `orientation` it is
+  // horizontal: t = +X, b = -Z, n = +Y.
   Placement(const Vec3& centre, const Quat& orientation, double size_u, double size_v)
       : size_u_(size_u), size_v_(size_v) {
     axes_.col(0) = orientation * Vec3::UnitX();
@@ -43,7 +58,7 @@ class Placement {
   Vec3 direction_to_local(const Vec3& world) const { return axes_.transpose() * world; }
   Vec3 direction_to_world(const Vec3& local) const { return axes_ * local; }
   Vec2 uv(const Vec3& local) const { return {local.x() / size_u_, local.y() / size_v_}; }
-  // Whether a local point is over (or under) the rectangle, or beside it by `slack` metres at most.
+  // Whether a local point is above or below the rectangle, enlarged by `slack` metres on all sides.
   bool covers(const Vec3& local, double slack = 0) const {
     return local.x() >= -slack && local.x() <= size_u_ + slack && local.y() >= -slack &&
            local.y() <= size_v_ + slack;
@@ -55,27 +70,12 @@ class Placement {
   Vec3 corner_;
 };
 
-// A Surface: what one texture says, asked by every sense.
-//
-// Immutable after construction and safe to ask from any thread; no query allocates. Depth is in metres below
-// the base plane, 0 = top, as in the paper's alpha channel (§1.2.1); normals are unit vectors of the tangent
-// frame (t, b, n), +Y up the image. Texels are samples at texel centres; between them depth is bilinear, so
-// the relief is a field of bilinear patches ("cells") whose corners are texel centres. Outside 0..1 the
-// texture repeats (wrap) or its border goes on (clamp).
-//
-// Three ways to read it. `depth`, `normal`, `gradient`: the texels as they are. `sample`: what a body, tip or
-// pixel of some diameter can resolve, from mip levels (texels.h). `smooth`: a C1 height with its exact
-// gradient, for forces that must come from a potential. Each 0.05 to 0.1 us while the texels are in cache, a
-// few misses more where they are not. Hits, nearest points and bounds are queries of their own (ray.h,
-// closest.h, surface.h) on the pyramid. Memory: 11.7 bytes a texel (2.9 MiB at 512 x 512), and the colour
-// image.
-
-// The canonical texels of a surface. Row 0 is v = 0, the *bottom* of the image; import flips.
+// The input of a Surface. Row 0 is v = 0, the *bottom* of the image; import flips.
 struct Texels {
   int width = 0;
   int height = 0;
-  std::vector<float>
-      depth;  // width x height, fraction of max_depth in 0..1, 0 = top; empty when only normals are known
+  // width x height, fraction of max_depth in 0..1, 0 = top; empty when only normals are known.
+  std::vector<float> depth;
   std::vector<Vec3> normal;  // width x height, unit, +Y, n_z > 0
   Image8 colour;             // RGB, any size, row 0 = bottom as well
 };
@@ -89,6 +89,11 @@ struct Cell {
   double min_z() const { return std::min(std::min(z[0], z[1]), std::min(z[2], z[3])); }
   double width() const { return x1 - x0; }
   double height() const { return y1 - y0; }
+  // Change of the slope across the cell: 0 for a parallelogram.
+  double twist() const { return z[3] - z[2] - z[1] + z[0]; }
+  // Derivatives of z by s at t, and by t at s.
+  double z_s(double t) const { return (z[1] - z[0]) + t * twist(); }
+  double z_t(double s) const { return (z[2] - z[0]) + s * twist(); }
   // The point of the patch at (s, t) in 0..1.
   Vec3 at(double s, double t) const {
     const double low = z[0] + s * (z[1] - z[0]);
@@ -97,36 +102,34 @@ struct Cell {
   }
   // Upward unit normal of the patch at (s, t).
   Vec3 normal(double s, double t) const {
-    const double dz_ds = (z[1] - z[0]) + t * (z[3] - z[2] - z[1] + z[0]);
-    const double dz_dt = (z[2] - z[0]) + s * (z[3] - z[2] - z[1] + z[0]);
-    return Vec3(-dz_ds / width(), -dz_dt / height(), 1.0).normalized();
+    return Vec3(-z_s(t) / width(), -z_t(s) / height(), 1.0).normalized();
   }
 };
 
-// What a probe of a given footprint meets.
+// The surface averaged over a footprint.
 struct Sample {
   double depth;      // metres below the base plane
   Vec3 normal;       // unit, tangent frame, of the normal map
   Vec2 gradient;     // (dz/dx, dz/dy) of the height -depth, local metres
-  double roughness;  // root mean square of the slope that the footprint hides; 0 at footprint 0
+  double roughness;  // root mean square of the slope lost by averaging; 0 at footprint 0
 };
 
-// A height that can be differentiated everywhere.
-struct Smooth {
+// A C1 height and its exact gradient.
+struct SmoothHeight {
   double height;  // z = -depth, metres
-  Vec2 gradient;  // (dz/dx, dz/dy), the exact derivative of `height`, continuous everywhere
+  Vec2 gradient;  // (dz/dx, dz/dy), the derivative of `height`
 };
 
 class Surface {
  public:
-  // `max_depth` in metres is what a texel depth of 1 means.
+  // `max_depth` is the depth in metres of a texel depth of 1.
   Surface(Texels texels, const Placement& placement, double max_depth, Edge edge);
 
   const Placement& placement() const { return placement_; }
   int width() const { return grid_.width; }
   int height() const { return grid_.height; }
   bool has_depth() const { return has_depth_; }
-  // Whether the relief is the plane z = 0.
+  // The relief is the plane z = 0.
   bool is_flat() const { return !has_depth_ || max_depth_ == 0; }
   double max_depth() const { return max_depth_; }
   Edge edge() const { return grid_.edge; }
@@ -135,34 +138,32 @@ class Surface {
   double texel_v() const { return placement_.size_v() / grid_.height; }
   std::size_t memory_bytes() const;
 
-  // Depth below the base plane at uv, metres (bilinear). 0 where there is no depth map.
+  // Depth below the base plane at uv, metres (bilinear). 0 without a depth map.
   double depth(const Vec2& uv) const;
   // Normal of the map at uv, unit, tangent frame: bilinear over the four nearest texels, then normalised
   // (§1.2.4).
   Vec3 normal(const Vec2& uv) const;
-  // Normal of the texel nearest to uv (Eq. 1.4 asks for the nearest one).
+  // Normal of the texel nearest to uv (Eq. 1.4 uses the nearest texel).
   Vec3 texel_normal(const Vec2& uv) const;
   // Gradient of the height (= -depth) in local metres: (dz/dx, dz/dy) of the patch under uv.
   Vec2 gradient(const Vec2& uv) const;
 
-  // Both at a footprint: the diameter in metres over which the surface is averaged; up to one texel there is
-  // nothing to average. Between two mip levels they are blended in proportion. `sample` at footprint 0 is
-  // depth, normal and gradient above; its slope is limited to steepest_slope when averaged. `smooth` goes
-  // through the texels (Catmull-Rom bicubic) and may leave their range by up to 9/32 of it, also above the base
-  // plane (by an eighth along each axis, and more where the overshoots of both meet).
+  // At a footprint: the diameter in metres over which the surface is averaged; up to one texel nothing is
+  // averaged. Between two mip levels the results are interpolated. `sample` at footprint 0 is depth, normal
+  // and gradient above; averaged slopes are limited to max_slope. `smooth` interpolates the texels
+  // (Catmull-Rom bicubic). Its negative weights add up to 9/32 in the middle of a cell, so it may overshoot
+  // the nearest 4 x 4 texels by 9/32 of their spread, also above the base plane.
   Sample sample(const Vec2& uv, double footprint = 0) const;
-  Smooth smooth(const Vec2& uv, double footprint = 0) const;
+  SmoothHeight smooth(const Vec2& uv, double footprint = 0) const;
 
   // World-frame normal of the map.
   Vec3 world_normal(const Vec2& uv) const { return placement_.direction_to_world(normal(uv)); }
 
   // Height z = -depth of texel (i, j), metres; i, j any integer (wrapped or clamped).
-  double texel_z(int i, int j) const {
-    return -max_depth_ * static_cast<double>(tiles_.depth(tiles_.index(i, j)));
-  }
-  // Cell whose lower corner is texel (i, j).
+  double texel_z(int i, int j) const { return -max_depth_ * double(tiles_.depth(tiles_.index(i, j))); }
+  // The cell whose lower corner is texel (i, j).
   Cell cell(int i, int j) const;
-  // The cell that holds local (x, y).
+  // The cell that contains local (x, y).
   std::pair<int, int> cell_at(double x, double y) const;
 
   const Grid& grid() const { return grid_; }
@@ -170,30 +171,31 @@ class Surface {
   const Mips& mips() const { return mips_; }
   const TexelTiles& tiles() const { return tiles_; }
 
-  // What the shader mirrors: depth fractions (1 channel) and tangent normals (3 channels), row 0 = v 0.
-  // Empty where there is no depth map.
+  // Data for the shader's textures: depth fractions (1 channel; empty without a depth map) and tangent
+  // normals (3 channels), row 0 = v 0.
   std::vector<float> depth_texture() const;
   std::vector<float> normal_texture() const;
   const Image8& colour() const { return colour_; }
 
  private:
-  Vec3 unpacked(int i, int j) const { return tiles_.normal(tiles_.index(i, j)).unit(); }
+  Vec3 normal_of_texel(int i, int j) const { return tiles_.normal(tiles_.index(i, j)).unit(); }
   BilinearTaps taps(const Vec2& uv) const;
   double depth_at(const BilinearTaps& at) const;
   Vec3 normal_at(const BilinearTaps& at) const;
   Vec2 gradient_at(const BilinearTaps& at) const;
-  // What two levels are blended from: slopes and variances add, normals and roughness do not.
-  struct Averaged {
+  // Quantities that blend linearly between two mip levels. Normals and roughness do not, so they are derived
+  // afterwards.
+  struct Moments {
     double depth;
     Vec2 gradient, slope;
     double variance;
   };
-  Averaged averaged(int level, const Vec2& uv) const;
-  Smooth smooth_level(int level, const Vec2& uv) const;
+  Moments moments_at(int level, const Vec2& uv) const;
+  SmoothHeight smooth_at_level(int level, const Vec2& uv) const;
 
   Placement placement_;
   Grid grid_;
-  double per_texel_ = 0;  // 1 / (distance between texels), the geometric mean of both axes
+  double texels_per_metre_ = 0;  // 1 / (distance between texels), the geometric mean of both axes
   double max_depth_;
   bool has_depth_;
   TexelTiles tiles_;
@@ -202,19 +204,17 @@ class Surface {
   Image8 colour_;
 };
 
-// Lowest and highest point of the relief over a rectangle of uv.
-//
-// Exact: a bilinear patch has its extremes over a rectangle at the rectangle's corners, and a block that lies
-// inside the rectangle answers from the pyramid. The rectangle may reach beyond 0..1; the relief goes on
-// there as the edge mode says. No allocation; any thread. Cost: proportional to the outline of the rectangle
-// in cells; 3 us for 10 x 10 cells.
-
-struct Extent {
+struct HeightRange {
   double low = 0, high = 0;  // z in metres, local: low <= high <= 0
 };
 
-// Corners in any order; an empty rectangle is a point. A number that is not finite gives the whole relief's
-// extent.
-Extent extent(const Surface& surface, const Vec2& uv_a, const Vec2& uv_b);
+// Lowest and highest point of the relief over the rectangle of uv with these corners, in any order; a
+// degenerate rectangle is a point. It may extend beyond 0..1. Non-finite input returns the range of the whole
+// relief.
+//
+// Exact: over a rectangle, a bilinear patch has its extremes at the corners, and blocks inside the rectangle
+// are answered from the pyramid. Cost: proportional to the outline of the rectangle in cells; 3 us for 10 x
+// 10 cells.
+HeightRange height_range(const Surface& surface, const Vec2& uv_a, const Vec2& uv_b);
 
 }  // namespace intaglio::surface

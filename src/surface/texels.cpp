@@ -5,17 +5,15 @@
 namespace intaglio::surface {
 
 PackedNormal PackedNormal::pack(const Vec3& normal) {
-  const auto packed = [](double n) {
-    return static_cast<std::int16_t>(std::lround(std::clamp(n, -1.0, 1.0) * 32767));
-  };
+  const auto packed = [](double n) { return std::int16_t(std::lround(std::clamp(n, -1.0, 1.0) * 32767)); };
   return {packed(normal.x()), packed(normal.y())};
 }
 
 TexelTiles::TexelTiles(const Grid& grid, std::span<const float> depth, std::span<const PackedNormal> normal)
     : grid_(grid) {
-  const auto across = static_cast<std::size_t>((grid.width + side - 1) / side),
-             along = static_cast<std::size_t>((grid.height + side - 1) / side);
-  stride_ = across * texels;
+  const auto across = std::size_t((grid.width + side - 1) / side),
+             along = std::size_t((grid.height + side - 1) / side);
+  stride_ = across * tile_texels;
   depth_.resize(stride_ * along);
   normal_.resize(stride_ * along);
   std::size_t from = 0;
@@ -30,50 +28,50 @@ TexelTiles::TexelTiles(const Grid& grid, std::span<const float> depth, std::span
 
 namespace {
 
-// What is averaged. The second moment, not the variance: it is linear.
-struct Sums {
+// The averaged quantities. The second moment rather than the variance, because it is linear.
+struct TexelMoments {
   float depth, slope_x, slope_y, second;
 };
 
-// Which texels of the finer level a texel of the coarser one covers along one axis, and how much of it each
-// fills.
-struct Cover {
+// The texels of the finer level that a texel of the coarser one covers along one axis, and the fraction of it
+// that each fills. At most three: a coarse texel is at most two fine ones long.
+struct Coverage {
   int first;
   std::array<float, 3> weight;
 };
 
-std::vector<Cover> covers(int fine, int coarse) {
-  std::vector<Cover> out;
+std::vector<Coverage> coverage(int fine, int coarse) {
+  std::vector<Coverage> out;
   for (std::int64_t k = 0; k < coarse; ++k) {
-    // In units of 1 / (fine coarse) of the side everything is an integer: a fine texel is `coarse` long, a
-    // coarse one `fine`.
+    // In units of side / (fine * coarse) all lengths are integers: a fine texel is `coarse` long, a coarse
+    // one `fine`.
     const std::int64_t low = k * fine, high = low + fine;
-    Cover cover{static_cast<int>(low / coarse), {}};
+    Coverage cover{int(low / coarse), {}};
     for (std::int64_t n = 0; n < 3; ++n) {
       const std::int64_t from = std::max(low, (cover.first + n) * coarse),
                          to = std::min(high, (cover.first + n + 1) * coarse);
-      cover.weight[static_cast<std::size_t>(n)] =
-          static_cast<float>(std::max<std::int64_t>(0, to - from)) / static_cast<float>(fine);
+      cover.weight[std::size_t(n)] = float(std::max<std::int64_t>(0, to - from)) / float(fine);
     }
     out.push_back(cover);
   }
   return out;
 }
 
-// The coarser level; `fine(k)` gives the sums of texel k of the finer one.
+// The coarser level; `fine(k)` returns the moments of texel k of the finer one.
 template <class Fine>
-std::vector<Sums> halved(const Grid& grid, const Grid& half, const Fine& fine) {
-  const std::vector<Cover> across = covers(grid.width, half.width), along = covers(grid.height, half.height);
-  std::vector<Sums> out;
+std::vector<TexelMoments> downsample(const Grid& grid, const Grid& half, const Fine& fine) {
+  const std::vector<Coverage> across = coverage(grid.width, half.width),
+                              along = coverage(grid.height, half.height);
+  std::vector<TexelMoments> out;
   out.reserve(half.size());
-  for (const Cover& y : along) {
-    for (const Cover& x : across) {
-      Sums sum{};
+  for (const Coverage& y : along) {
+    for (const Coverage& x : across) {
+      TexelMoments sum{};
       for (int r = 0; r < 3; ++r) {
         for (int c = 0; c < 3; ++c) {
-          const float weight = y.weight[static_cast<std::size_t>(r)] * x.weight[static_cast<std::size_t>(c)];
+          const float weight = y.weight[std::size_t(r)] * x.weight[std::size_t(c)];
           if (weight == 0) continue;
-          const Sums& s = fine(grid.index(x.first + c, y.first + r));
+          const TexelMoments& s = fine(grid.index(x.first + c, y.first + r));
           sum.depth += weight * s.depth;
           sum.slope_x += weight * s.slope_x;
           sum.slope_y += weight * s.slope_y;
@@ -90,38 +88,37 @@ std::vector<Sums> halved(const Grid& grid, const Grid& half, const Fine& fine) {
 
 Vec2 slope_of(const Vec3& normal) {
   const double across = elementary::hypot(normal.x(), normal.y());
-  // n_z >= across / steepest is the limit on the slope's length, and also avoids 0 / 0.
-  return -normal.head<2>() / std::max(normal.z(), std::max(across / steepest_slope, 1e-9));
+  // n_z >= across / max_slope limits the slope's length, and 1e-9 avoids 0 / 0.
+  return -normal.head<2>() / std::max(normal.z(), std::max(across / max_slope, 1e-9));
 }
 
 Mips::Mips(const Grid& grid, std::span<const float> depth, std::span<const PackedNormal> normal) {
   for (const PackedNormal& n : normal) scale_ = std::max(scale_, slope_of(n.unit()).norm());
   const auto finest = [&](std::size_t k) {
     const Vec2 slope = slope_of(normal[k].unit());
-    return Sums{depth.empty() ? 0.0f : depth[k], static_cast<float>(slope.x()), static_cast<float>(slope.y()),
-                static_cast<float>(slope.squaredNorm())};
+    return TexelMoments{depth.empty() ? 0.0f : depth[k], float(slope.x()), float(slope.y()),
+                        float(slope.squaredNorm())};
   };
   const double inverse_scale = scale_ > 0 ? 1 / scale_ : 0;
-  const auto pack = [&](const Sums& s) {
-    Texel t{static_cast<std::uint16_t>(std::lround(std::clamp(s.depth, 0.0f, 1.0f) * 65535)),
-            static_cast<std::int16_t>(std::lround(std::clamp(s.slope_x * inverse_scale, -1.0, 1.0) * 32767)),
-            static_cast<std::int16_t>(std::lround(std::clamp(s.slope_y * inverse_scale, -1.0, 1.0) * 32767)),
-            0};
-    // The variance about the slope as stored, so that rounding the mean loses no second moment.
+  const auto pack = [&](const TexelMoments& s) {
+    Texel t{std::uint16_t(std::lround(std::clamp(s.depth, 0.0f, 1.0f) * 65535)),
+            std::int16_t(std::lround(std::clamp(s.slope_x * inverse_scale, -1.0, 1.0) * 32767)),
+            std::int16_t(std::lround(std::clamp(s.slope_y * inverse_scale, -1.0, 1.0) * 32767)), 0};
+    // Variance about the slope as stored, so that rounding the mean loses no second moment.
     const double variance = std::max(0.0, s.second - unpack(t).slope.squaredNorm());
-    t.roughness =
-        static_cast<std::uint16_t>(std::lround(std::min(1.0, std::sqrt(variance) * inverse_scale) * 65535));
+    t.roughness = std::uint16_t(std::lround(std::min(1.0, std::sqrt(variance) * inverse_scale) * 65535));
     return t;
   };
-  std::vector<Sums> sums;
+  std::vector<TexelMoments> sums;
   for (Grid from = grid; from.width > 1 || from.height > 1;) {
     const Grid to{(from.width + 1) / 2, (from.height + 1) / 2, from.edge};
-    sums = levels_.empty() ? halved(from, to, finest)
-                           : halved(from, to, [&](std::size_t k) -> const Sums& { return sums[k]; });
+    sums = levels_.empty()
+               ? downsample(from, to, finest)
+               : downsample(from, to, [&](std::size_t k) -> const TexelMoments& { return sums[k]; });
     levels_.push_back({to, texels_.size()});
     if (texels_.empty())
-      texels_.reserve(to.size() + to.size() / 3 + static_cast<std::size_t>(2 * (to.width + to.height)) + 64);
-    for (const Sums& s : sums) texels_.push_back(pack(s));
+      texels_.reserve(to.size() + to.size() / 3 + std::size_t(2 * (to.width + to.height)) + 64);
+    for (const TexelMoments& s : sums) texels_.push_back(pack(s));
     from = to;
   }
   texels_.shrink_to_fit();
@@ -135,11 +132,11 @@ Mips::Moments Mips::unpack(const Texel& t) const {
 }
 
 Mips::Moments Mips::texel(int level, int i, int j) const {
-  return unpack(texels_[levels_[static_cast<std::size_t>(level - 1)].start + grid(level).index(i, j)]);
+  return unpack(texels_[levels_[std::size_t(level - 1)].start + grid(level).index(i, j)]);
 }
 
 Mips::Moments Mips::bilinear(int level, const Vec2& uv) const {
-  const Level& l = levels_[static_cast<std::size_t>(level - 1)];
+  const Level& l = levels_[std::size_t(level - 1)];
   const BilinearTaps taps(l.grid, uv.x() * l.grid.width - 0.5, uv.y() * l.grid.height - 0.5);
   const std::array<double, 4> weights = taps.weights();
   Moments sum{0, Vec2::Zero(), Vec2::Zero(), 0};
@@ -154,12 +151,12 @@ Mips::Moments Mips::bilinear(int level, const Vec2& uv) const {
   return sum;
 }
 
-Mips::Blend Mips::blend(double footprint) const {
+Mips::LevelBlend Mips::levels_for(double footprint) const {
   if (!(footprint > 1)) return {0, 0};
   int exponent = 0;
-  const double mantissa =
-      std::frexp(footprint, &exponent);  // footprint = mantissa 2^exponent, mantissa in 0.5..1
-  if (!std::isfinite(footprint) || exponent - 1 >= top()) return {top(), 0};
+  // footprint = mantissa 2^exponent, mantissa in 0.5..1
+  const double mantissa = std::frexp(footprint, &exponent);
+  if (!std::isfinite(footprint) || exponent - 1 >= coarsest()) return {coarsest(), 0};
   return {exponent - 1, 2 * mantissa - 1};
 }
 

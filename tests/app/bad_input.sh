@@ -80,9 +80,9 @@ expect "impossible material" 'poisson\.toml:2: .*Poisson' bake sphere:r=0.05 --m
 printf 'name = "steel"\ndensity = 1e-3\n' >"$work/light.toml"
 expect "a density no body has" 'light\.toml:2: density is 0.001; .*between 1 and 100000' bake sphere:r=0.05 --material "$work/light.toml"
 printf 'name = "steel"\nyoungs_modulus = 1e4\ndensity = 1e5\n' >"$work/soft.toml"
-expect "a sound too slow" 'soft\.toml:2: sound would be .* m/s' bake sphere:r=0.05 --material "$work/soft.toml"
+expect "a sound too slow" 'soft\.toml:2: the speed of sound would be .* m/s' bake sphere:r=0.05 --material "$work/soft.toml"
 printf 'name = "steel"\nrayleigh_alpha = 0\nrayleigh_beta = 0\n' >"$work/undamped.toml"
-expect "a body that rings for ever" 'undamped\.toml:2: it would ring for ever' bake sphere:r=0.05 --material "$work/undamped.toml"
+expect "a body without damping" 'undamped\.toml:2: the material has no damping' bake sphere:r=0.05 --material "$work/undamped.toml"
 printf '[[body]]\nsize = [10, 0.001, 10]\nmaterial = { name = "steel", youngs_modulus = 1e6 }\n' >"$work/sheet.toml"
 expect "a sheet too soft" 'sheet\.toml: modal analysis of the box 1 of steel failed: .*stiffer' render "$work/sheet.toml"
 expect "a device for a scene" 'pipe\.wav: is a device or pipe' sh -c "mkfifo '$work/pipe.wav'; '$intaglio' -q render '$work/pipe.wav' -o '$work/out/x.mp4'"
@@ -147,7 +147,7 @@ printf '[[ground]]\n[ground.base]\nshape = "bowl"\nfile = "none.obj"\n' >"$work/
 printf '[[body]]\n[body.top]\ntexture = "none.png"\n' >"$work/top.toml"
 expect "a texture that is not there" 'texture\.toml:3: none\.png: no such file' render "$work/texture.toml"
 expect "a mesh that is not there" 'base\.toml:2: none\.obj: no such file' render "$work/base.toml"
-expect "a file for a bowl" 'bowl\.toml:4: ground\.base\.file says nothing of a bowl; .*radius, repeat' render "$work/bowl.toml"
+expect "a file for a bowl" 'bowl\.toml:4: a bowl does not use ground\.base\.file; .*radius, repeat' render "$work/bowl.toml"
 expect "a top that is not there" 'top\.toml:3: none\.png: no such file' render "$work/top.toml"
 
 # A full disk, where one can be made.

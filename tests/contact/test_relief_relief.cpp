@@ -46,7 +46,7 @@ double brute(const PlacedSurface& one, const PlacedSurface& other, double least)
           const surface::Cell cell = b.cell(n, m);
           const Vec3 low(cell.x0, cell.y0, cell.min_z()), high(cell.x1, cell.y1, cell.max_z());
           if ((at - at.cwiseMax(low).cwiseMin(high)).norm() >= least) continue;
-          const Vec2 st = closest_on_cell(cell, at);
+          const Vec2 st = tests::closest_on_cell(cell, at);
           least = std::min(least, (at - cell.at(st.x(), st.y())).norm());
         }
       }

@@ -5,7 +5,7 @@
 
 using intaglio::Clock;
 
-TEST_CASE("every loop has a whole number of ticks a period") {
+TEST_CASE("every loop has an integer period in ticks") {
   const Clock clock({480, 1000, 44100, 30});
   for (const int rate : {480, 1000, 44100, 30}) CHECK(clock.ticks_per_second() % rate == 0);
 }

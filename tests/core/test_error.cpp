@@ -10,7 +10,7 @@
 
 using namespace intaglio;
 
-TEST_CASE("an error is one line that says where, what and what would be right") {
+TEST_CASE("an error is one line with place, fault and fix") {
   const Error error{"a.toml:3", "mass is\n-1", "greater than 0"};
   CHECK(error.message() == "a.toml:3: mass is -1; greater than 0");
 }

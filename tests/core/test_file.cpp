@@ -21,12 +21,11 @@ TEST_CASE("what is written is read back, and nothing else is left behind") {
   CHECK(std::distance(fs::directory_iterator(folder.path / "deep"), fs::directory_iterator()) == 1);
 }
 
-TEST_CASE(
-    "two that write one file get temporaries of their own; files and links that stand there are left alone") {
+TEST_CASE("two writers of one file get separate temporaries, and existing files and links are left alone") {
   const tests::TemporaryFolder folder;
   const fs::path target = folder.path / "x.wav";
   REQUIRE(write_file(folder.path / "x.part.wav", "mine"));
-  const auto one = temporary_for(target), other = temporary_for(target);
+  const auto one = create_temporary(target), other = create_temporary(target);
   REQUIRE(one);
   REQUIRE(other);
   CHECK(*one != *other);
@@ -35,7 +34,7 @@ TEST_CASE(
   REQUIRE(write_file(target, "new"));
   CHECK(read_file(folder.path / "x.part.wav")->size() == 4);
   CHECK(std::distance(fs::directory_iterator(folder.path), fs::directory_iterator()) == 4);
-  CHECK_FALSE(temporary_for(folder.path / "none" / "x"));
+  CHECK_FALSE(create_temporary(folder.path / "none" / "x"));
 }
 
 TEST_CASE("a missing file names the nearest one") {
@@ -54,11 +53,11 @@ TEST_CASE("an unwritable place is an error before and at writing") {
   CHECK_FALSE(check_writable(folder.path));
 }
 
-TEST_CASE("a name must tell what is written") {
-  CHECK(check_named("out/a.wav", ".wav", "a WAV file"));
-  CHECK(check_named("out/a.b.WAV", ".wav", "a WAV file"));
+TEST_CASE("a file name must match the format") {
+  CHECK(check_extension("out/a.wav", ".wav", "a WAV file"));
+  CHECK(check_extension("out/a.b.WAV", ".wav", "a WAV file"));
   for (const char* name : {"a.mp3", "a", ".wav", "wav", "a.wav.mp3", ""}) {
-    const auto named = check_named(name, ".wav", "a WAV file");
+    const auto named = check_extension(name, ".wav", "a WAV file");
     REQUIRE_FALSE(named);
     CHECK(named.error().message().find("is not named as a WAV file; end the name with .wav") !=
           std::string::npos);
@@ -79,7 +78,7 @@ TEST_CASE("a device or pipe is not replaced by a file of its name") {
   CHECK_FALSE(check_writable(folder.path / ""));
 }
 
-TEST_CASE("a file over the limit is refused") {
+TEST_CASE("a file over the limit is rejected") {
   const tests::TemporaryFolder folder;
   REQUIRE(write_file(folder.path / "big", std::string(100, 'x')));
   CHECK_FALSE(read_file(folder.path / "big", 99));

@@ -7,7 +7,8 @@
 
 using namespace intaglio;
 
-TEST_CASE("the shortest rotation of one direction onto another: Eigen's, and half a turn for opposite ones") {
+TEST_CASE(
+    "the shortest rotation between two directions equals Eigen's, and is half a turn for opposite ones") {
   Random random(1);
   const auto any = [&] {
     Vec3 v;

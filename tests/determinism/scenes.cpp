@@ -72,7 +72,7 @@ void add(Hash& hash, const ContactEvent& e) {
 }
 
 std::shared_ptr<const surface::Surface> floor(const std::string& material, int texels) {
-  const surface::BuiltinRecipe recipe = demand(surface::find_builtin(material));
+  const surface::Recipe recipe = demand(surface::find_builtin(material));
   return std::make_shared<const surface::Surface>(surface::to_texels(surface::make_texture(recipe, texels)),
                                                   surface::Placement(Vec3::Zero(), Quat::Identity(), 1, 1),
                                                   depth, surface::Edge::wrap);
@@ -80,7 +80,7 @@ std::shared_ptr<const surface::Surface> floor(const std::string& material, int t
 
 surface::ReliefMesh skin(const std::string& material, double radius, bool is_bowl) {
   auto mesh = is_bowl ? surface::make_bowl(radius, 32, 12) : surface::make_sphere(radius, 16, 10);
-  const surface::BuiltinRecipe recipe = demand(surface::find_builtin(material));
+  const surface::Recipe recipe = demand(surface::find_builtin(material));
   auto texture = std::make_shared<const surface::Surface>(
       surface::to_texels(surface::make_texture(recipe, 64)),
       surface::Placement(Vec3::Zero(), Quat::Identity(), 1, 1), 0.03 * radius, surface::Edge::wrap);

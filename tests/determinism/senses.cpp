@@ -41,7 +41,7 @@ Outcome textures() {
       const double u = random.uniform(), v = random.uniform();
       const Vec2 uv(u, v);
       const double footprint = random.uniform(0, 0.1);
-      const surface::Smooth smooth = surface->smooth(uv, footprint);
+      const surface::SmoothHeight smooth = surface->smooth(uv, footprint);
       add(hash, smooth.height);
       add(hash, smooth.gradient);
       add(hash, surface->normal(uv));

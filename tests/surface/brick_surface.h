@@ -1,4 +1,4 @@
-// Surfaces that several tests ask for.
+// Surfaces shared by tests.
 #pragma once
 
 #include <cstdlib>
@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/portable_math.h"
+#include "surface/closest.h"
 #include "surface/import.h"
 #include "surface/surface.h"
 
@@ -34,7 +35,7 @@ inline std::shared_ptr<const surface::Surface> made_surface(
   for (int j = 0; j < n; ++j) {
     for (int i = 0; i < n; ++i) {
       const Vec2 uv((i + 0.5) / n, (j + 0.5) / n);
-      texels.depth.push_back(static_cast<float>(depth(uv)));
+      texels.depth.push_back(float(depth(uv)));
       texels.normal.push_back(normal(uv).normalized());
     }
   }
@@ -58,14 +59,12 @@ inline std::shared_ptr<const surface::Surface> rough_surface(int width, int heig
     for (int i = 0; i < width; ++i) {
       const double u = 6.283185307 * (i + 0.5) / width, v = 6.283185307 * (j + 0.5) / height;
       const double wave = 0.5 + 0.25 * std::sin(2 * u + phase) * std::cos(v) + 0.25 * std::sin(u + 3 * v);
-      texels.depth.push_back(static_cast<float>((1 - roughness) * wave + roughness * random.uniform()));
+      texels.depth.push_back(float((1 - roughness) * wave + roughness * random.uniform()));
     }
   }
   for (int j = 0; j < height; ++j) {
     for (int i = 0; i < width; ++i) {
-      const auto z = [&](int a, int b) {
-        return -max_depth * static_cast<double>(texels.depth[grid.index(a, b)]);
-      };
+      const auto z = [&](int a, int b) { return -max_depth * double(texels.depth[grid.index(a, b)]); };
       texels.normal.push_back(Vec3((z(i - 1, j) - z(i + 1, j)) / (2.0 / width),
                                    (z(i, j - 1) - z(i, j + 1)) / (2 * size_v / height), 1)
                                   .normalized());
@@ -76,7 +75,7 @@ inline std::shared_ptr<const surface::Surface> rough_surface(int width, int heig
       std::move(texels), surface::Placement(Vec3::Zero(), Quat::Identity(), 1, size_v), max_depth, edge);
 }
 
-// The sizes and edges that tests of queries go through: squares, odd sizes, the smallest.
+// Sizes and edge modes for tests of queries: squares, odd sizes, the smallest.
 inline std::vector<std::shared_ptr<const surface::Surface>> various_surfaces() {
   std::vector<std::shared_ptr<const surface::Surface>> out = {brick_surface(64)};
   for (const surface::Edge edge : {surface::Edge::wrap, surface::Edge::clamp}) {
@@ -90,7 +89,13 @@ inline std::vector<std::shared_ptr<const surface::Surface>> various_surfaces() {
   return out;
 }
 
-// How many random poses a test tries: few by default, `slow` with INTAGLIO_SLOW=1 in the environment.
+// The point of a cell that is nearest to p, as (s, t) in 0..1.
+inline Vec2 closest_on_cell(const surface::Cell& cell, const Vec3& p) {
+  const surface::PatchPoint found = surface::nearest(surface::LocalPatch(cell, p));
+  return {found.s, found.t};
+}
+
+// Number of random poses: few by default, `slow` with INTAGLIO_SLOW=1 in the environment.
 inline int poses(int quick, int slow = 100000) {
   return std::getenv("INTAGLIO_SLOW") != nullptr ? slow : quick;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,38 @@ using namespace intaglio;
 using namespace intaglio::surface;
 
 namespace {
+
+// Gradient noise as defined, hashing the gradient of every lattice point: the oracle of Fractal.
+double periodic_noise(double u, double v, int frequency_u, int frequency_v, std::uint64_t seed) {
+  const double x = (u - std::floor(u)) * frequency_u;
+  const double y = (v - std::floor(v)) * frequency_v;
+  const int i = int(x);
+  const int j = int(y);
+  const auto gradient = [&](int di, int dj) {
+    const double angle =
+        2 * std::numbers::pi * lattice_hash((i + di) % frequency_u, (j + dj) % frequency_v, seed);
+    const auto [sine, cosine] = elementary::sin_cos(angle);
+    return cosine * (x - i - di) + sine * (y - j - dj);
+  };
+  const auto fade = [](double t) { return t * t * t * (t * (t * 6 - 15) + 10); };
+  const double s = fade(x - i);
+  const double t = fade(y - j);
+  const double low = gradient(0, 0) + s * (gradient(1, 0) - gradient(0, 0));
+  const double high = gradient(0, 1) + s * (gradient(1, 1) - gradient(0, 1));
+  return std::numbers::sqrt2 * (low + t * (high - low));
+}
+
+double periodic_fractal(double u, double v, int frequency, int octaves, double gain, std::uint64_t seed) {
+  double sum = 0;
+  double level = 1;
+  double total = 0;
+  for (int o = 0; o < octaves; ++o) {
+    sum += level * periodic_noise(u, v, frequency << o, frequency << o, seed + std::uint64_t(o));
+    total += level;
+    level *= gain;
+  }
+  return sum / total;
+}
 
 double depth_at(const TextureImages& t, int x, int y) {
   const int n = t.relief.width;
@@ -62,15 +95,15 @@ void check_seam(const TextureImages& texture) {
 }
 
 // How much depth and colour differ one period on, at most.
-double misfit_of_period(const BuiltinRecipe& recipe) {
+double misfit_of_period(const Recipe& recipe) {
   const Painter painter(recipe);
   Random random(1);
   double worst = 0;
   for (int k = 0; k < 5000; ++k) {
     const double u = random.uniform();
     const double v = random.uniform();
-    const Sample here = painter.at(u, v);
-    const Sample there = painter.at(u + 1, v - 1);
+    const PaintedPoint here = painter.at(u, v);
+    const PaintedPoint there = painter.at(u + 1, v - 1);
     worst = std::max({worst, std::abs(here.depth - there.depth), (here.colour - there.colour).norm()});
   }
   return worst;
@@ -93,7 +126,7 @@ double rms_from(const std::vector<double>& expected, const TextureImages& t) {
   double sum = 0;
   for (std::size_t k = 0; k < expected.size(); ++k) {
     const int n = t.relief.width;
-    const double d = expected[k] - depth_at(t, static_cast<int>(k) % n, static_cast<int>(k) / n);
+    const double d = expected[k] - depth_at(t, int(k) % n, int(k) / n);
     sum += d * d;
   }
   return std::sqrt(sum / double(expected.size()));
@@ -117,7 +150,7 @@ double near_vertical(const TextureImages& t) {
 
 // Every material with its texture of 512 x 512, made once for all tests.
 struct Made {
-  BuiltinRecipe recipe;
+  Recipe recipe;
   TextureImages texture;
 };
 
@@ -125,7 +158,7 @@ const std::vector<Made>& all_made() {
   static const std::vector<Made> all = [] {
     std::vector<Made> made;
     for (const std::string& name : builtin_names()) {
-      const BuiltinRecipe recipe = find_builtin(name).value();
+      const Recipe recipe = find_builtin(name).value();
       made.push_back({recipe, make_texture(recipe, 512)});
     }
     return made;
@@ -149,7 +182,7 @@ TEST_CASE("the two studies are complete: ten to identify, six to compare, each o
   CHECK(comparison == std::vector<int>{1, 2, 3, 4, 5, 6});
 }
 
-TEST_CASE("they sound as in the paper") {
+TEST_CASE("the materials of the studies have the paper's sound parameters") {
   const auto sounds = [](const char* name) { return find_builtin(name).value().about.material.name; };
   for (const char* name : {"brick_grid", "brick_running", "pebbles"}) CHECK(sounds(name) == "brick");
   for (const char* name : {"porcelain_square", "porcelain_hexagon", "ceramic_tile"})
@@ -175,7 +208,7 @@ TEST_CASE("every pattern is seamless, tilted and warped too") {
     const std::string text =
         std::string("[layout]\nwarp = 0.01\npattern = ") + pattern +
         "\n[profile]\ntilt = 0.5\ncrown = 0.3\n[[layer]]\nalong = \"piece\"\ndepth = 0.1\n";
-    const auto recipe = parse_builtin(text, "own.toml");
+    const auto recipe = parse_recipe(text, "own.toml");
     REQUIRE_MESSAGE(recipe.has_value(), recipe.error().message());
     CHECK(misfit_of_period(*recipe) < 1e-6);
   }
@@ -189,11 +222,11 @@ TEST_CASE("the tile repeats exactly: depth and colour have period 1") {
 }
 
 TEST_CASE("a seed makes the same texture, another seed another") {
-  const auto sampled = [](const BuiltinRecipe& recipe) {
+  const auto sampled = [](const Recipe& recipe) {
     const Painter painter(recipe);
     Hash hash;
     for (int k = 0; k < 1000; ++k) {
-      const Sample sample = painter.at(0.001 * k, 0.0377 * k);
+      const PaintedPoint sample = painter.at(0.001 * k, 0.0377 * k);
       hash.add(sample.depth);
       for (int c = 0; c < 3; ++c) hash.add(sample.colour[c]);
     }
@@ -201,14 +234,14 @@ TEST_CASE("a seed makes the same texture, another seed another") {
   };
   for (const Made& made : all_made()) {
     CAPTURE(made.recipe.about.name);
-    BuiltinRecipe recipe = made.recipe;
+    Recipe recipe = made.recipe;
     CHECK(sampled(recipe) == sampled(made.recipe));
     recipe.seed += 1;
     CHECK(sampled(recipe) != sampled(made.recipe));
   }
 }
 
-TEST_CASE("the same look at every size") {
+TEST_CASE("a texture looks the same at every size") {
   for (const Made& made : all_made()) {
     CAPTURE(made.recipe.about.name);
     CHECK(rms_from(halved(made.texture), make_texture(made.recipe, 256)) < 0.01);
@@ -216,7 +249,7 @@ TEST_CASE("the same look at every size") {
   // 600 and 300 are sampled by different rules: one sample a texel, and four.
   for (const char* name : {"pebbles", "wood_grain", "stone_blocks"}) {
     CAPTURE(name);
-    const BuiltinRecipe recipe = find_builtin(name).value();
+    const Recipe recipe = find_builtin(name).value();
     CHECK(rms_from(halved(make_texture(recipe, 600)), make_texture(recipe, 300)) < 0.01);
   }
 }
@@ -260,7 +293,7 @@ TEST_CASE("normals are unit, point up and follow from the depth") {
   }
 }
 
-TEST_CASE("depth uses its range and is hardly ever cut off") {
+TEST_CASE("depth uses its range and is rarely clipped") {
   for (const Made& made : all_made()) {
     CAPTURE(made.recipe.about.name);
     double least = 1, most = 0;
@@ -289,12 +322,12 @@ TEST_CASE("stone_blocks has the most near-vertical edges") {
   CHECK(blocks > 1.5 * others);
 }
 
-TEST_CASE("the brick of builtin.h is brick_running") {
+TEST_CASE("the default of make_brick is brick_running") {
   CHECK(hash_of(make_brick({})) == hash_of(make_texture(find_builtin("brick").value(), 512)));
   CHECK(find_builtin("brick")->about.name == "brick_running");
 }
 
-TEST_CASE("Fractal has the values of periodic_fractal") {
+TEST_CASE("Fractal equals gradient noise whose gradients are hashed at every point") {
   const Fractal fractal(12, 12, 4, 0.6, 5);
   for (const double u : {-0.3, 0.0, 0.123, 0.5, 0.99999, 1.7}) {
     for (const double v : {-1.1, 0.0, 0.25, 0.871})

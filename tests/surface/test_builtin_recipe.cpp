@@ -14,7 +14,7 @@ using namespace intaglio::surface;
 namespace {
 
 std::string error_of(const std::string& text) {
-  const auto recipe = parse_builtin(text, "own.toml");
+  const auto recipe = parse_recipe(text, "own.toml");
   return recipe ? "" : recipe.error().message();
 }
 
@@ -33,7 +33,7 @@ TEST_CASE("every recipe file is embedded as it is") {
     const auto bytes = read_file(entry.path(), 1u << 20);
     REQUIRE(bytes.has_value());
     const auto own =
-        parse_builtin({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, entry.path().string());
+        parse_recipe({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, entry.path().string());
     REQUIRE_MESSAGE(own.has_value(), own.error().message());
     const auto embedded = find_builtin(own->about.name);
     REQUIRE(embedded.has_value());
@@ -52,14 +52,14 @@ TEST_CASE("the example of docs/materials.md is a recipe") {
   const std::string page(reinterpret_cast<const char*>(bytes->data()), bytes->size());
   const std::string opening = "```toml\n";
   const std::size_t begin = page.find(opening) + opening.size();
-  const auto recipe = parse_builtin(page.substr(begin, page.find("```", begin) - begin), "own.toml");
+  const auto recipe = parse_recipe(page.substr(begin, page.find("```", begin) - begin), "own.toml");
   REQUIRE_MESSAGE(recipe.has_value(), recipe.error().message());
   CHECK(recipe->about.title == "Terracotta");
   for (const std::string& name : builtin_names()) CHECK(contains(page, "| `" + name + "`"));
 }
 
 TEST_CASE("an empty recipe is a plain sheet") {
-  const auto recipe = parse_builtin("", "folder/plain.toml");
+  const auto recipe = parse_recipe("", "folder/plain.toml");
   REQUIRE(recipe.has_value());
   CHECK(recipe->about.name == "plain");
   const TextureImages texture = make_texture(*recipe, 64);
@@ -67,14 +67,14 @@ TEST_CASE("an empty recipe is a plain sheet") {
   CHECK(texture.relief.at(9, 9, 2) == 65535);
 }
 
-TEST_CASE("an unknown name gets the nearest") {
+TEST_CASE("an unknown name is answered with the nearest one") {
   const auto found = find_builtin("pebles");
   REQUIRE(!found.has_value());
   CHECK(contains(found.error().message(), "did you mean \"pebbles\"?"));
   CHECK(contains(found.error().message(), "wood_parquet"));
 }
 
-TEST_CASE("errors name line, key and what would be right") {
+TEST_CASE("errors name the line, the key and a fix") {
   const struct {
     const char* text;
     const char* where;
@@ -114,7 +114,7 @@ TEST_CASE("errors name line, key and what would be right") {
 }
 
 TEST_CASE("a recipe may override the material, its micro roughness too") {
-  const auto recipe = parse_builtin(
+  const auto recipe = parse_recipe(
       "material = { name = \"steel\", rayleigh_alpha = 40, micro = { rms_height = 3e-6 } }\n", "own.toml");
   REQUIRE(recipe.has_value());
   const Material& own = recipe->about.material;

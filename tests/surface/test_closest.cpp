@@ -20,7 +20,7 @@ double line_distance2(const Cell& cell, const Vec3& p, double t) {
   return (a + std::clamp(d.dot(p - a) / d.squaredNorm(), 0.0, 1.0) * d - p).squaredNorm();
 }
 
-// The independent way for one cell: its lines t = const are scanned, and each dip refined by golden section.
+// Brute force for one cell: its lines t = const are scanned, and each dip refined by golden section.
 double brute_cell_distance2(const Cell& cell, const Vec3& p) {
   constexpr int n = 32;
   std::array<double, n + 1> at;
@@ -68,7 +68,7 @@ Vec3 random_pose(const Surface& s, Random& random) {
           random.uniform(-0.2, 1.2) * s.placement().size_v(), random.uniform(-2 * s.max_depth(), above)};
 }
 
-// How much nearer than `point` the relief comes on a small ring around it, of so many texels.
+// By how much the relief on a small ring around `point`, with a radius in texels, is nearer than `point`.
 double nearer_around(const Surface& s, const Vec3& p, const Vec3& point, double texels) {
   double least = infinity;
   for (int k = 0; k < 32; ++k) {
@@ -93,7 +93,7 @@ TEST_CASE("the nearest point of a cell is the one a scan finds, for every kind o
     Cell cell{0, 0, w, h, {}};
     for (double& z : cell.z) z = random.uniform(-height, height);
     const Vec3 p(random.uniform(-1, 2) * w, random.uniform(-1, 2) * h, random.uniform(-away, away));
-    const Vec2 st = closest_on_cell(cell, p);
+    const Vec2 st = tests::closest_on_cell(cell, p);
     CHECK((st.minCoeff() >= 0 && st.maxCoeff() <= 1));
     worst = std::max(worst, (cell.at(st.x(), st.y()) - p).norm() - std::sqrt(brute_cell_distance2(cell, p)));
   }
@@ -103,7 +103,7 @@ TEST_CASE("the nearest point of a cell is the one a scan finds, for every kind o
 
 TEST_CASE("the closest point is as near as brute force finds, whatever size and edge") {
   const auto surfaces = tests::various_surfaces();
-  const int count = tests::poses(1500) / static_cast<int>(surfaces.size()) + 1;
+  const int count = tests::poses(1500) / int(surfaces.size()) + 1;
   double worst = 0;
   for (std::size_t n = 0; n < surfaces.size(); ++n) {
     const Surface& s = *surfaces[n];
@@ -161,10 +161,10 @@ TEST_CASE("features are local minima on the relief, nearest first, and their dir
   }
 }
 
-TEST_CASE("no local minimum within reach is left out unless a nearer feature has its direction") {
+TEST_CASE("no local minimum within reach is missing unless a nearer feature has its direction") {
   const double reach = 0.06, min_angle = 0.35;
   const auto surfaces = tests::various_surfaces();
-  const int count = tests::poses(60, 100000 / static_cast<int>(surfaces.size()));
+  const int count = tests::poses(60, 100000 / int(surfaces.size()));
   int several = 0;
   for (const auto& s : surfaces) {
     Random random(14);
@@ -180,18 +180,18 @@ TEST_CASE("no local minimum within reach is left out unless a nearer feature has
         for (int i = i0; i <= i1; ++i) {
           const Cell cell = s->cell(i, j);
           if (box_distance2(cell, p) >= reach * reach) continue;
-          const Vec2 st = closest_on_cell(cell, p);
+          const Vec2 st = tests::closest_on_cell(cell, p);
           const Vec3 point = cell.at(st.x(), st.y()), apart = p - point;
           const double length = apart.norm();
           const Vec3 direction = sign * apart / length;
           if (length >= reach - 1e-9 || direction.dot(cell.normal(st.x(), st.y())) < 1e-6 ||
               nearer_around(*s, p, point, 1e-3) > -1e-12)
             continue;
-          CHECK(std::any_of(features.begin(), features.begin() + static_cast<std::ptrdiff_t>(found),
-                            [&](const Feature& f) {
-                              return std::abs(f.distance) <= length + 1e-9 &&
-                                     f.direction.dot(direction) > std::cos(min_angle) - 1e-6;
-                            }));
+          CHECK(
+              std::any_of(features.begin(), features.begin() + std::ptrdiff_t(found), [&](const Feature& f) {
+                return std::abs(f.distance) <= length + 1e-9 &&
+                       f.direction.dot(direction) > std::cos(min_angle) - 1e-6;
+              }));
         }
       }
     }
@@ -249,7 +249,7 @@ TEST_CASE("wrap is seamless: the closest point moves along with the point, by wh
   Random random(15);
   for (int k = 0; k < 1000; ++k) {
     const Vec3 p = random_pose(*s, random);
-    const int a = static_cast<int>(random.uniform(-4, 4)), b = static_cast<int>(random.uniform(-4, 4));
+    const int a = int(random.uniform(-4, 4)), b = int(random.uniform(-4, 4));
     const Vec3 shift(a * s->placement().size_u(), b * s->placement().size_v(), 0);
     const auto here = closest_point(*s, p), there = closest_point(*s, p + shift);
     REQUIRE((here && there));
@@ -273,15 +273,15 @@ std::shared_ptr<const Surface> stepped(int width, int height, int rolled) {
     for (int i = 0; i < width; ++i) {
       const int from = (i + width - rolled) % width;
       const double step = from == 0 ? 1 : from == 1 ? 0.5 : 0;
-      texels.depth.push_back(static_cast<float>(0.97 * step + 0.03 * rough[std::size_t(from)]));
-      texels.normal.push_back(Vec3::UnitZ());  // not asked for here
+      texels.depth.push_back(float(0.97 * step + 0.03 * rough[std::size_t(from)]));
+      texels.normal.push_back(Vec3::UnitZ());  // unused here
     }
   }
   const Placement place(Vec3::Zero(), Quat::Identity(), 0.01 * width, 0.01 * height);
   return std::make_shared<const Surface>(std::move(texels), place, 0.1, Edge::wrap);
 }
 
-TEST_CASE("features do not depend on where the texture begins, whatever is left over in its last block") {
+TEST_CASE("features do not depend on where the texture begins, whatever the size of its last block") {
   int second = 0;
   for (const int width : {64, 65, 100, 129}) {
     const int roll = width / 2;
@@ -303,7 +303,7 @@ TEST_CASE("features do not depend on where the texture begins, whatever is left 
   CHECK(second > 3000);
 }
 
-TEST_CASE("far beyond a border the outermost cells go on") {
+TEST_CASE("far beyond a border the outermost cells extend") {
   const auto surfaces = tests::various_surfaces();
   for (const auto& s : surfaces) {
     if (s->edge() != Edge::clamp) continue;
@@ -337,15 +337,15 @@ TEST_CASE("from near to far above, where bounds go from single to double precisi
   CHECK(worst < 1e-9);
 }
 
-TEST_CASE("a point that is not a number, or a million metres away, is answered at once and rightly") {
+TEST_CASE("NaN points and points a million metres away are answered at once and correctly") {
   std::array<Feature, 4> features;
   for (const auto& s : tests::various_surfaces()) {
     CHECK(closest_features(*s, Vec3(std::nan(""), 0, 0), 0.1, 0.35, features) == 0);
     CHECK(closest_features(*s, Vec3(0, 0, 1e6), 0.1, 0.35, features) == 0);
     CHECK_FALSE(closest_point(*s, Vec3(0, std::nan(""), 0)));
     CHECK_FALSE(closest_point(*s, Vec3(infinity, 0, 0)));
-    // High up the nearest point is one of the highest.
-    const double top = -s->max_depth() * s->pyramid().whole().shallow;
+    // From high up the nearest point is one of the highest.
+    const double top = -s->max_depth() * s->pyramid().total_range().shallow;
     CHECK(std::abs(closest_point(*s, {0.3, 0.3, 1e6})->distance - (1e6 - top)) < 1e-6);
     // Far aside there is relief of the same height as at the edge, or as here.
     for (const double far : {1e6, -1e6}) {

@@ -49,13 +49,13 @@ Known waves(int cycles, double relief, std::uint64_t seed) {
         sx += w.level * tau * w.kx * std::cos(at);
         sy += w.level * tau * w.ky * std::cos(at);
       }
-      out.height.at(x, y) = static_cast<float>(h);
-      out.slopes.x.at(x, y) = static_cast<float>(sx);
-      out.slopes.y.at(x, y) = static_cast<float>(sy);
+      out.height.at(x, y) = float(h);
+      out.slopes.x.at(x, y) = float(sx);
+      out.slopes.y.at(x, y) = float(sy);
     }
   }
   const auto [low, high] = std::minmax_element(out.height.value.begin(), out.height.value.end());
-  const double factor = relief * n / static_cast<double>(*high - *low);
+  const double factor = relief * n / double(*high - *low);
   const float lowest = *low;
   for (float& h : out.height.value) h -= lowest;
   scale(out.height, factor);
@@ -72,7 +72,7 @@ Known brick(double relief) {
   out.range = relief * n;
   for (int y = 0; y < n; ++y) {
     for (int x = 0; x < n; ++x)
-      out.height.at(x, n - 1 - y) = static_cast<float>((1 - images.relief.at(x, y, 3) / 65535.0) * out.range);
+      out.height.at(x, n - 1 - y) = float((1 - images.relief.at(x, y, 3) / 65535.0) * out.range);
   }
   Field unit = out.height;
   scale(unit, 1 / out.range);
@@ -82,10 +82,10 @@ Known brick(double relief) {
 
 double rms(const std::vector<float>& a, const std::vector<float>& b, bool without_mean) {
   double sum = 0, mean = 0;
-  for (std::size_t k = 0; k < a.size(); ++k) mean += static_cast<double>(a[k] - b[k]);
-  mean = without_mean ? mean / static_cast<double>(a.size()) : 0;
-  for (std::size_t k = 0; k < a.size(); ++k) sum += std::pow(static_cast<double>(a[k] - b[k]) - mean, 2);
-  return std::sqrt(sum / static_cast<double>(a.size()));
+  for (std::size_t k = 0; k < a.size(); ++k) mean += double(a[k] - b[k]);
+  mean = without_mean ? mean / double(a.size()) : 0;
+  for (std::size_t k = 0; k < a.size(); ++k) sum += std::pow(double(a[k] - b[k]) - mean, 2);
+  return std::sqrt(sum / double(a.size()));
 }
 
 double slope_rms(const Slopes& a, const Slopes& b) {
@@ -97,19 +97,16 @@ struct Gains {
   double height_n, slope_n;  // over the normals alone
 };
 
-// What fusion makes of the surface when both of its maps have 8 bits.
+// The result of fusion when both maps of the surface have 8 bits.
 Gains gains(const std::string& name, const Known& known) {
   Field h8 = known.height;
-  for (float& h : h8.value)
-    h = static_cast<float>(std::round(static_cast<double>(h) / known.range * 255) / 255 * known.range);
+  for (float& h : h8.value) h = float(std::round(double(h) / known.range * 255) / 255 * known.range);
   Slopes s8{Field(n, n), Field(n, n)};
   for (std::size_t k = 0; k < s8.x.value.size(); ++k) {
-    Vec3 normal =
-        Vec3(-static_cast<double>(known.slopes.x.value[k]), -static_cast<double>(known.slopes.y.value[k]), 1)
-            .normalized();
+    Vec3 normal = Vec3(-double(known.slopes.x.value[k]), -double(known.slopes.y.value[k]), 1).normalized();
     for (int c = 0; c < 3; ++c) normal[c] = std::round((0.5 * normal[c] + 0.5) * 255) / 127.5 - 1;
-    s8.x.value[k] = static_cast<float>(-normal.x() / normal.z());
-    s8.y.value[k] = static_cast<float>(-normal.y() / normal.z());
+    s8.x.value[k] = float(-normal.x() / normal.z());
+    s8.y.value[k] = float(-normal.y() / normal.z());
   }
   const Fused fused = fuse({h8, s8, known.range / 255, 2.0 / 255, FuseEdge::periodic});
   const Fused normals_only = fuse({{}, s8, 0, 2.0 / 255, FuseEdge::periodic});
@@ -135,7 +132,7 @@ TEST_CASE("the transform of an impulse is flat, Parseval holds, and the inverse 
   for (const auto& [w, h] : {std::pair{16, 16}, {30, 14}, {37, 53}}) {
     Random random(5);
     std::vector<std::complex<float>> data(std::size_t(w) * std::size_t(h));
-    for (auto& v : data) v = {static_cast<float>(random.normal()), static_cast<float>(random.normal())};
+    for (auto& v : data) v = {float(random.normal()), float(random.normal())};
     auto copy = data;
     fft2(copy, w, h, Transform::forward);
     double before = 0, after = 0;
@@ -169,11 +166,10 @@ TEST_CASE("normals alone, at 8 bits, are integrated within 1 % of the range") {
   for (const Known& known : {waves(16, 0.04, 3), waves(60, 0.014, 4), brick(0.022)}) {
     Slopes s8 = known.slopes;
     for (std::size_t k = 0; k < s8.x.value.size(); ++k) {
-      Vec3 normal =
-          Vec3(-static_cast<double>(s8.x.value[k]), -static_cast<double>(s8.y.value[k]), 1).normalized();
+      Vec3 normal = Vec3(-double(s8.x.value[k]), -double(s8.y.value[k]), 1).normalized();
       for (int c = 0; c < 3; ++c) normal[c] = std::round((0.5 * normal[c] + 0.5) * 255) / 127.5 - 1;
-      s8.x.value[k] = static_cast<float>(-normal.x() / normal.z());
-      s8.y.value[k] = static_cast<float>(-normal.y() / normal.z());
+      s8.x.value[k] = float(-normal.x() / normal.z());
+      s8.y.value[k] = float(-normal.y() / normal.z());
     }
     const Fused fused = fuse({{}, s8, 0, 2.0 / 255, FuseEdge::periodic});
     const double error = rms(fused.height.value, known.height.value, true) / known.range;
@@ -192,13 +188,13 @@ TEST_CASE("a mirrored tile keeps its mean slope, which a periodic one cannot hav
   CHECK(periodic.mean_slope_x == doctest::Approx(0.3));
 }
 
-TEST_CASE("slopes that turn in circles fit no height, and slopes of a height have no curl") {
+TEST_CASE("rotational slopes are reported as curl, and slopes of a height have none") {
   Slopes swirl{Field(64, 64), Field(64, 64)};
   const double tau = 2 * std::numbers::pi / 64;
   for (int y = 0; y < 64; ++y) {
     for (int x = 0; x < 64; ++x) {
-      swirl.x.at(x, y) = static_cast<float>(-std::sin(tau * y));
-      swirl.y.at(x, y) = static_cast<float>(std::sin(tau * x));
+      swirl.x.at(x, y) = float(-std::sin(tau * y));
+      swirl.y.at(x, y) = float(std::sin(tau * x));
     }
   }
   const Fused swirled = fuse({{}, swirl, 0, 0, FuseEdge::periodic});

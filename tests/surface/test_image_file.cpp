@@ -1,4 +1,4 @@
-// Every format gives back the picture that an independent encoder wrote.
+// Every format returns the picture that an independent encoder wrote.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <string>
 
 #include "surface/image/image_file.h"
-#include "tests/surface/test_image_encoders.h"
+#include "tests/surface/image_encoders.h"
 
 using namespace intaglio;
 using namespace intaglio::surface;
@@ -19,12 +19,12 @@ namespace {
 template <class T>
 Image<T> picture(int width, int height, int channels) {
   Image<T> image(width, height, channels);
-  const double top = static_cast<double>(std::numeric_limits<T>::max());
+  const double top = double(std::numeric_limits<T>::max());
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       for (int c = 0; c < channels; ++c) {
         const double slope = std::max(0.0, (x + 0.5 * y) / (width + 0.5 * height) - 0.2);
-        image.at(x, y, c) = static_cast<T>(top * (0.1 + 0.2 * c + (c == 1 ? 0.5 * y / height : 0.3 * slope)));
+        image.at(x, y, c) = T(top * (0.1 + 0.2 * c + (c == 1 ? 0.5 * y / height : 0.3 * slope)));
       }
     }
   }
@@ -57,7 +57,7 @@ double difference(const Image<float>& a, const Image<float>& b) {
 
 }  // namespace
 
-TEST_CASE("PNG: 8 and 16 bits come as exactly rounded fractions") {
+TEST_CASE("PNG: samples of 8 and 16 bits become correctly rounded fractions") {
   for (const int channels : {1, 3, 4}) {
     const auto image8 = picture<std::uint8_t>(37, 23, channels);
     const auto image16 = picture<std::uint16_t>(37, 23, channels);
@@ -78,7 +78,7 @@ TEST_CASE("PNG: samples of 1, 2 and 4 bits, and a palette") {
     for (int x = 0; x < 16; ++x) {
       const int value = (x * 5 + 1) % (top + 1);
       if (x * bits % 8 == 0) row.push_back(0);
-      row.back() = static_cast<std::uint8_t>(row.back() | value << (8 - bits - x * bits % 8));
+      row.back() = std::uint8_t(row.back() | value << (8 - bits - x * bits % 8));
       truth.at(x, 0, 0) = float(value) / float(top);
     }
     const File end = png_idat(row) + png_chunk("IEND", {});
@@ -132,7 +132,7 @@ TEST_CASE("TGA: all four origins, raw and run-length, grey, RGB and RGBA give th
   }
 }
 
-TEST_CASE("TGA: a run goes on over the ends of rows") {
+TEST_CASE("TGA: runs may cross the ends of rows") {
   Image8 flat(10, 9, 3);
   std::fill(flat.data.begin(), flat.data.end(), std::uint8_t{200});
   const File file = encode_tga(flat, {true});
@@ -153,7 +153,7 @@ TEST_CASE("TGA: alpha is kept when the header claims none, and a colour map is s
   CHECK(difference(decoded(file).pixels, scaled(image)) == 0);
 }
 
-TEST_CASE("EXR: floats come as they are, whatever the compression, tiled or not, wherever the window") {
+TEST_CASE("EXR: floats are read unchanged, whatever the compression, tiles and window") {
   for (const int channels : {1, 3, 4}) {
     auto image = scaled(picture<std::uint16_t>(45, 37, channels));
     for (std::size_t k = 0; k < image.data.size(); k += 7) image.data[k] = 100 * image.data[k] - 20;
@@ -173,7 +173,7 @@ TEST_CASE("EXR: floats come as they are, whatever the compression, tiled or not,
   }
 }
 
-TEST_CASE("EXR: halves are exact without loss, near with it") {
+TEST_CASE("EXR: halves are exact with lossless compression and close with lossy") {
   const auto image = scaled(picture<std::uint16_t>(45, 37, 3));
   for (const auto compression :
        {Imf::ZIP_COMPRESSION, Imf::PIZ_COMPRESSION, Imf::PXR24_COMPRESSION, Imf::B44_COMPRESSION,
@@ -208,7 +208,7 @@ TEST_CASE("EXR: one channel of any name is grey; Y A is grey with alpha; others 
 }
 
 TEST_CASE(
-    "EXR: attributes that do not matter are skipped, and what is not finite is an error that says where") {
+    "EXR: irrelevant attributes are skipped, and a pixel that is not finite is an error with its place") {
   auto image = scaled(picture<std::uint16_t>(20, 10, 3));
   ExrLayout layout;
   layout.preview = true;
@@ -219,7 +219,7 @@ TEST_CASE(
   CHECK(nan.error().message().find("nan.exr: the pixel in column 13, row 4") == 0);
 }
 
-TEST_CASE("the same picture is equal in all formats, within what each can hold") {
+TEST_CASE("the same picture is equal in all formats, within their precision") {
   for (const int channels : {1, 3}) {
     const auto image = picture<std::uint8_t>(64, 48, channels);
     const Image<float> truth = scaled(image);
@@ -234,7 +234,7 @@ TEST_CASE("the same picture is equal in all formats, within what each can hold")
   }
 }
 
-TEST_CASE("the limits are what the caller says") {
+TEST_CASE("the caller's limits apply") {
   const auto image = picture<std::uint8_t>(40, 30, 3);
   for (const File& file :
        {encode_png(image), encode_jpeg(image), encode_tga(image), encode_exr(scaled(image))}) {
@@ -244,7 +244,7 @@ TEST_CASE("the limits are what the caller says") {
   }
 }
 
-TEST_CASE("extensions of images are known in any case") {
+TEST_CASE("extensions of images are recognised in any case") {
   for (const char* name : {"a.png", "a.JPG", "b.jpeg", "c.Tga", "d.EXR"}) CHECK(has_image_extension(name));
   for (const char* name : {"a.txt", "png", "a.png.zip", ""}) CHECK_FALSE(has_image_extension(name));
 }

@@ -1,11 +1,12 @@
-// Broken image files each give an error of one line or an image; none makes us allocate what it only claims.
+// Each broken image file gives an error of one line or an image; none causes an allocation of its claimed
+// size.
 #include <doctest/doctest.h>
 
 #include <algorithm>
 
 #include "surface/image/image_file.h"
 #include "tests/count_allocations.h"
-#include "tests/surface/test_image_corpus.h"
+#include "tests/surface/image_corpus.h"
 
 using namespace intaglio;
 using namespace intaglio::surface;

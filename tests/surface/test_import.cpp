@@ -10,7 +10,7 @@
 #include "tests/skipped.h"
 #include "tests/source_folder.h"
 #include "tests/surface/brick_surface.h"
-#include "tests/surface/test_image_encoders.h"
+#include "tests/surface/image_encoders.h"
 #include "tests/temporary_folder.h"
 
 using namespace intaglio;
@@ -40,7 +40,7 @@ double rms(const std::vector<float>& a, const std::vector<float>& b) {
   REQUIRE(a.size() == b.size());
   double sum = 0;
   for (std::size_t k = 0; k < a.size(); ++k) sum += (a[k] - b[k]) * (a[k] - b[k]);
-  return std::sqrt(sum / static_cast<double>(a.size()));
+  return std::sqrt(sum / double(a.size()));
 }
 
 }  // namespace
@@ -56,12 +56,12 @@ TEST_CASE("a PNG round trip keeps every 16-bit sample") {
 
 TEST_CASE("an 8-bit sample v is read as v / 255") {
   Image8 image(16, 16, 1);
-  for (std::size_t k = 0; k < 256; ++k) image.data[k] = static_cast<std::uint8_t>(k);
+  for (std::size_t k = 0; k < 256; ++k) image.data[k] = std::uint8_t(k);
   const auto decoded = decode_image(encode_png(image), "x");
   REQUIRE(decoded);
   REQUIRE(decoded->pixels.channels == 1);
   for (std::size_t k = 0; k < 256; ++k)
-    CHECK(decoded->pixels.data[k] == doctest::Approx(static_cast<double>(k) / 255).epsilon(1e-6));
+    CHECK(decoded->pixels.data[k] == doctest::Approx(double(k) / 255).epsilon(1e-6));
 }
 
 TEST_CASE("one RGBA file, and the same split into a folder of files, make the same texels") {
@@ -85,7 +85,7 @@ TEST_CASE("one RGBA file, and the same split into a folder of files, make the sa
   CHECK(many->texels.colour.width == 64);
 }
 
-TEST_CASE("a flipped green channel or an inverted height is noticed and undone, raw and fused") {
+TEST_CASE("a flipped green channel or an inverted height is detected and corrected, raw and fused") {
   const tests::TemporaryFolder folder;
   const TextureImages brick = make_brick(small_brick());
   const Texels truth = to_texels(brick);
@@ -94,10 +94,8 @@ TEST_CASE("a flipped green channel or an inverted height is noticed and undone, 
       TextureImages flipped = brick;
       for (int y = 0; y < 64; ++y) {
         for (int x = 0; x < 64; ++x) {
-          if (minus)
-            flipped.relief.at(x, y, 1) = static_cast<std::uint16_t>(65535 - flipped.relief.at(x, y, 1));
-          if (high)
-            flipped.relief.at(x, y, 3) = static_cast<std::uint16_t>(65535 - flipped.relief.at(x, y, 3));
+          if (minus) flipped.relief.at(x, y, 1) = std::uint16_t(65535 - flipped.relief.at(x, y, 1));
+          if (high) flipped.relief.at(x, y, 3) = std::uint16_t(65535 - flipped.relief.at(x, y, 3));
         }
       }
       REQUIRE(write_file(folder.path / "f.png", encode_png(flipped.relief)));
@@ -139,8 +137,7 @@ TEST_CASE("a fused surface is one surface: its normals are the slopes of its dep
   recipe.size = 128;
   TextureImages brick = make_brick(recipe);
   Image8 eight(128, 128, 4);
-  for (std::size_t k = 0; k < eight.data.size(); ++k)
-    eight.data[k] = static_cast<std::uint8_t>(brick.relief.data[k] >> 8);
+  for (std::size_t k = 0; k < eight.data.size(); ++k) eight.data[k] = std::uint8_t(brick.relief.data[k] >> 8);
   REQUIRE(write_file(folder.path / "b.png", encode_png(eight)));
   const auto imported = import_texture(folder.path / "b.png", {});
   REQUIRE(imported);
@@ -150,7 +147,7 @@ TEST_CASE("a fused surface is one surface: its normals are the slopes of its dep
   double sum = 0;
   for (std::size_t k = 0; k < of_depth.size(); ++k)
     sum += (of_depth[k] - imported->texels.normal[k]).squaredNorm();
-  const double error = std::sqrt(sum / static_cast<double>(of_depth.size()));
+  const double error = std::sqrt(sum / double(of_depth.size()));
   MESSAGE("normals against slopes of the depth: rms " << error);
   CHECK(error < 0.01);
 }
@@ -208,9 +205,8 @@ TEST_CASE("floating-point files may hold heights of any unit and normals of eith
   Image<float> height(64, 64, 1), normal(64, 64, 3);
   for (int y = 0; y < 64; ++y) {
     for (int x = 0; x < 64; ++x) {
-      height.at(x, y, 0) = -3 + 8 * (1 - static_cast<float>(brick.relief.at(x, y, 3)) / 65535.0f);
-      for (int c = 0; c < 3; ++c)
-        normal.at(x, y, c) = static_cast<float>(brick.relief.at(x, y, c)) / 32767.5f - 1;
+      height.at(x, y, 0) = -3 + 8 * (1 - float(brick.relief.at(x, y, 3)) / 65535.0f);
+      for (int c = 0; c < 3; ++c) normal.at(x, y, c) = float(brick.relief.at(x, y, c)) / 32767.5f - 1;
     }
   }
   REQUIRE(write_file(folder.path / "w_height.exr", encoders::encode_exr(height)));
@@ -223,8 +219,8 @@ TEST_CASE("floating-point files may hold heights of any unit and normals of eith
   CHECK(imported->report.detected_green == Green::plus_y);
   double low = 1, high = 0;
   for (const float d : truth.depth) {
-    low = std::min(low, static_cast<double>(d));
-    high = std::max(high, static_cast<double>(d));
+    low = std::min(low, double(d));
+    high = std::max(high, double(d));
   }
   for (std::size_t k = 0; k < truth.depth.size(); ++k) {
     CHECK(imported->texels.depth[k] == doctest::Approx((truth.depth[k] - low) / (high - low)).epsilon(1e-4));
@@ -246,7 +242,7 @@ TEST_CASE("broken images are errors that name the file") {
   CHECK_FALSE(import_texture(folder.path, {}));  // an empty folder
 }
 
-TEST_CASE("an image larger than the limits is refused before it is decoded") {
+TEST_CASE("an image larger than the limits is rejected before it is decoded") {
   std::vector<std::uint8_t> png = encode_png(Image8(8, 8, 1));
   png[16] = 0x01;  // width 0x01000008
   CHECK_FALSE(decode_image(png, "huge.png"));
@@ -266,7 +262,7 @@ TEST_CASE("real textures import") {
   }
 }
 
-TEST_CASE("a built-in name is imported like files are: conventions found in its own pixels") {
+TEST_CASE("a built-in name is imported like files: its conventions are detected from its pixels") {
   ImportOptions options;
   options.generated_size = 128;
   const auto imported = import_texture("stone_flags", options);

@@ -20,8 +20,7 @@ template <class Height>
 fs::path write_columns(const fs::path& path, const Height& height) {
   Image16 image(64, 64, 1);
   for (int y = 0; y < 64; ++y) {
-    for (int x = 0; x < 64; ++x)
-      image.at(x, y, 0) = static_cast<std::uint16_t>(std::lround(65535 * height(x)));
+    for (int x = 0; x < 64; ++x) image.at(x, y, 0) = std::uint16_t(std::lround(65535 * height(x)));
   }
   REQUIRE(write_file(path, encode_png(image)));
   return path;
@@ -41,12 +40,12 @@ TEST_CASE("the slope histogram is a distribution, and a triangle wave has one sl
   CHECK(std::accumulate(inspection->slope_histogram.begin(), inspection->slope_histogram.end(), 0.0) ==
         doctest::Approx(1));
   const double angle = std::atan(0.5) * 180 / 3.14159265358979;  // 26.6 degrees
-  CHECK(inspection->slope_histogram[static_cast<std::size_t>(angle / 5)] > 0.9);
+  CHECK(inspection->slope_histogram[std::size_t(angle / 5)] > 0.9);
   CHECK(inspection->height_levels == 33);
   CHECK(inspection->terrace_slope == doctest::Approx(0.5).epsilon(0.01));
 }
 
-TEST_CASE("walls make a surface one for the normal map, a plain one is flat, a gentle one relief") {
+TEST_CASE("the advice is a normal map for walls, flat for a plane, relief for gentle slopes") {
   const tests::TemporaryFolder folder;
   ImportOptions options;
   options.depth_fraction = 0.3;
@@ -74,7 +73,7 @@ TEST_CASE("an imported surface is written and read back as the same surface") {
   REQUIRE(write_file(folder.path / "b.png", encode_png(brick.relief)));
   const auto first = import_texture(folder.path / "b.png", {});
   REQUIRE(first);
-  REQUIRE(write_asset(*first, folder.path / "asset"));
+  REQUIRE(write_texture_files(*first, folder.path / "asset"));
   const auto again = import_texture(folder.path / "asset", {});
   REQUIRE(again);
   CHECK(again->depth_fraction == doctest::Approx(first->depth_fraction).epsilon(0.01));
@@ -82,10 +81,8 @@ TEST_CASE("an imported surface is written and read back as the same surface") {
   CHECK(again->report.green == Green::plus_y);
   double depth = 0, normal = 0;
   for (std::size_t k = 0; k < first->texels.depth.size(); ++k) {
-    depth = std::max(
-        depth,
-        std::abs(static_cast<double>(first->texels.depth[k] * static_cast<float>(first->depth_fraction) -
-                                     again->texels.depth[k] * static_cast<float>(again->depth_fraction))));
+    depth = std::max(depth, std::abs(double(first->texels.depth[k] * float(first->depth_fraction) -
+                                            again->texels.depth[k] * float(again->depth_fraction))));
     normal = std::max(normal, (first->texels.normal[k] - again->texels.normal[k]).norm());
   }
   MESSAGE("largest change of depth " << depth << " of the side, of the normal " << normal);

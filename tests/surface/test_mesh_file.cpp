@@ -71,8 +71,7 @@ TEST_CASE("what is missing or degenerate is repaired, and said") {
   // Across the seam too: the computed normals are those of a sphere.
   for (const Triangle& triangle : mesh->triangles) {
     for (const int index : triangle)
-      CHECK(mesh->normals[static_cast<std::size_t>(index)].dot(
-                mesh->positions[static_cast<std::size_t>(index)]) > 0.995 * 0.5);
+      CHECK(mesh->normals[std::size_t(index)].dot(mesh->positions[std::size_t(index)]) > 0.995 * 0.5);
   }
   TriangleMesh inside_out = unit_quad();
   for (Triangle& triangle : inside_out.triangles) std::swap(triangle[0], triangle[1]);

@@ -70,7 +70,7 @@ TEST_CASE(
   const double depth = placement->fold_depth();
   REQUIRE(depth < 1);
   const std::vector<Vec3> places = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.4, 0.3, 0.3}};
-  for (int k = 0; k < static_cast<int>(placement->mesh().triangles.size()); ++k) {
+  for (int k = 0; k < int(placement->mesh().triangles.size()); ++k) {
     for (const Vec3& w : places) CHECK(jacobian(*placement, k, w, -0.98 * depth) > 0);
   }
   bool turned = false;

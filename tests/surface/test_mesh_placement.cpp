@@ -47,7 +47,7 @@ double height_by_newton(const BasePatch& patch, const Vec3& point) {
 BasePatch patch_of(const TriangleMesh& mesh, std::size_t k) {
   BasePatch patch;
   for (std::size_t corner = 0; corner < 3; ++corner) {
-    const auto index = static_cast<std::size_t>(mesh.triangles[k][corner]);
+    const auto index = std::size_t(mesh.triangles[k][corner]);
     patch.p[corner] = mesh.positions[index];
     patch.n[corner] = mesh.normals[index];
   }

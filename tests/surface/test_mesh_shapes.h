@@ -15,7 +15,7 @@ inline surface::TriangleMesh wavy(int n) {
   surface::TriangleMesh mesh;
   for (int j = 0; j <= n; ++j) {
     for (int i = 0; i <= n; ++i) {
-      const double x = static_cast<double>(i) / n, z = static_cast<double>(j) / n;
+      const double x = double(i) / n, z = double(j) / n;
       mesh.positions.emplace_back(x, 0.04 * (std::sin(7 * x) + std::cos(5 * z + 2 * x)), -z);
       mesh.normals.emplace_back(Vec3::Zero());
       mesh.uvs.emplace_back(x, z);
@@ -46,7 +46,7 @@ inline Vec3 any_weights(Random& random) {
 }
 
 inline int any_triangle(Random& random, const surface::MeshPlacement& placement) {
-  return static_cast<int>(random.uniform() * static_cast<double>(placement.mesh().triangles.size()));
+  return int(random.uniform() * double(placement.mesh().triangles.size()));
 }
 
 }  // namespace intaglio::tests

@@ -26,7 +26,7 @@ TriangleMesh shuffled(const TriangleMesh& mesh, std::uint64_t seed) {
   std::vector<int> place(mesh.positions.size());
   const auto vertices = order(mesh.positions.size());
   for (std::size_t k = 0; k < vertices.size(); ++k) {
-    place[vertices[k]] = static_cast<int>(k);
+    place[vertices[k]] = int(k);
     other.positions[k] = mesh.positions[vertices[k]];
     other.normals[k] = mesh.normals[vertices[k]];
     other.uvs[k] = mesh.uvs[vertices[k]];
@@ -34,8 +34,7 @@ TriangleMesh shuffled(const TriangleMesh& mesh, std::uint64_t seed) {
   const auto triangles = order(mesh.triangles.size());
   for (std::size_t k = 0; k < triangles.size(); ++k) {
     for (std::size_t corner = 0; corner < 3; ++corner)
-      other.triangles[k][corner] =
-          place[static_cast<std::size_t>(mesh.triangles[triangles[k]][(corner + seed) % 3])];
+      other.triangles[k][corner] = place[std::size_t(mesh.triangles[triangles[k]][(corner + seed) % 3])];
   }
   return other;
 }
@@ -131,11 +130,11 @@ TEST_CASE("vertices stored twice are one, unless their normals or UVs differ") {
   REQUIRE(mesh);
   TriangleMesh soup;
   for (const Triangle& triangle : mesh->triangles) {
-    const int first = static_cast<int>(soup.positions.size());
+    const int first = int(soup.positions.size());
     for (const int index : triangle) {
-      soup.positions.push_back(mesh->positions[static_cast<std::size_t>(index)]);
-      soup.normals.push_back(mesh->normals[static_cast<std::size_t>(index)]);
-      soup.uvs.push_back(mesh->uvs[static_cast<std::size_t>(index)]);
+      soup.positions.push_back(mesh->positions[std::size_t(index)]);
+      soup.normals.push_back(mesh->normals[std::size_t(index)]);
+      soup.uvs.push_back(mesh->uvs[std::size_t(index)]);
     }
     soup.triangles.push_back({first, first + 1, first + 2});
   }

@@ -41,14 +41,14 @@ inline Bytes buffer_of(const TriangleMesh& mesh) {
   Bytes bytes;
   for (const auto* list : {&mesh.positions, &mesh.normals}) {
     for (const Vec3& v : *list)
-      for (const double x : v) append(bytes, static_cast<float>(x));
+      for (const double x : v) append(bytes, float(x));
   }
   for (const Vec2& uv : mesh.uvs) {
-    append(bytes, static_cast<float>(uv.x()));
-    append(bytes, static_cast<float>(1 - uv.y()));
+    append(bytes, float(uv.x()));
+    append(bytes, float(1 - uv.y()));
   }
   for (const Triangle& triangle : mesh.triangles)
-    for (const int index : triangle) append(bytes, static_cast<std::uint32_t>(index));
+    for (const int index : triangle) append(bytes, std::uint32_t(index));
   return bytes;
 }
 
@@ -93,11 +93,11 @@ inline Bytes glb_of(const TriangleMesh& mesh) {
   Bytes bytes;
   append(bytes, std::uint32_t{0x46546c67});
   append(bytes, std::uint32_t{2});
-  append(bytes, static_cast<std::uint32_t>(28 + json.size() + buffer.size()));
-  append(bytes, static_cast<std::uint32_t>(json.size()));
+  append(bytes, std::uint32_t(28 + json.size() + buffer.size()));
+  append(bytes, std::uint32_t(json.size()));
   append(bytes, std::uint32_t{0x4e4f534a});
   bytes.insert(bytes.end(), json.begin(), json.end());
-  append(bytes, static_cast<std::uint32_t>(buffer.size()));
+  append(bytes, std::uint32_t(buffer.size()));
   append(bytes, std::uint32_t{0x004e4942});
   bytes.insert(bytes.end(), buffer.begin(), buffer.end());
   return bytes;
@@ -112,8 +112,7 @@ inline double difference(const TriangleMesh& a, const TriangleMesh& b) {
   double worst = 0;
   for (std::size_t k = 0; k < a.triangles.size(); ++k) {
     for (std::size_t corner = 0; corner < 3; ++corner) {
-      const auto i = static_cast<std::size_t>(a.triangles[k][corner]),
-                 j = static_cast<std::size_t>(b.triangles[k][corner]);
+      const auto i = std::size_t(a.triangles[k][corner]), j = std::size_t(b.triangles[k][corner]);
       worst = std::max({worst, (a.positions[i] - b.positions[j]).norm(), (a.normals[i] - b.normals[j]).norm(),
                         (a.uvs[i] - b.uvs[j]).norm()});
     }

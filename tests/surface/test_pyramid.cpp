@@ -28,10 +28,10 @@ void for_each_block(const Pyramid& p, const Visit& visit) {
   }
 }
 
-// The other way: the corners of every cell's part of the rectangle, in texels.
-Extent brute_extent(const Surface& s, const Vec2& a, const Vec2& b) {
+// Brute force: the corners of every cell's part of the rectangle, in texels.
+HeightRange brute_height_range(const Surface& s, const Vec2& a, const Vec2& b) {
   const Vec2 low = a.cwiseMin(b), high = a.cwiseMax(b);
-  Extent out{1, -1e9};
+  HeightRange out{1, -1e9};
   const auto stops = [](double from, double to, int n) {
     std::vector<double> at = {from, to};
     for (double line = std::ceil(from * n - 0.5); line <= to * n - 0.5; ++line)
@@ -57,14 +57,14 @@ TEST_CASE(
     const double deepest = s->max_depth();
     CHECK(rc::check("conservative", [&] {
       const int level = *rc::gen::inRange(0, p.levels());
-      const int side = Pyramid::side(level);
+      const int side = Pyramid::block_cells(level);
       const int x = *rc::gen::inRange(0, (p.columns() + side - 1) / side),
                 y = *rc::gen::inRange(0, (p.rows() + side - 1) / side);
-      // A place in the block, in cells from its first.
+      // A position in the block, in cells from its first.
       const double a = *rc::gen::inRange(0, 1001) / 1000.0 * std::min(side, p.columns() - x * side);
       const double b = *rc::gen::inRange(0, 1001) / 1000.0 * std::min(side, p.rows() - y * side);
-      const Vec2 uv((p.first() + x * side + a + 0.5) / s->width(),
-                    (p.first() + y * side + b + 0.5) / s->height());
+      const Vec2 uv((p.first_cell() + x * side + a + 0.5) / s->width(),
+                    (p.first_cell() + y * side + b + 0.5) / s->height());
       const double depth = s->depth(uv) / deepest;
       if (level > 0) {
         const Pyramid::Range range = p.range(level, x, y);
@@ -72,7 +72,7 @@ TEST_CASE(
         RC_ASSERT(depth <= range.deep + 1e-9);
       }
       const Pyramid::Bounds4 quad = p.quad(level, x / 2, y / 2);
-      const auto k = static_cast<std::size_t>((x & 1) | (y & 1) << 1);
+      const auto k = std::size_t((x & 1) | (y & 1) << 1);
       RC_ASSERT(depth >= quad.shallow[k] - 1e-9);
       RC_ASSERT(depth <= quad.deep[k] + 1e-9);
       const Pyramid::Slab slab = p.slab(level, x, y);
@@ -92,11 +92,11 @@ TEST_CASE("ranges are exact: some texel is as deep as they say, some as shallow"
     const std::vector<float> depths = s->depth_texture();
     for_each_block(p, [&](int level, int x, int y) {
       if (level == 0) return;
-      const int side = Pyramid::side(level);
+      const int side = Pyramid::block_cells(level);
       double shallow = 2, deep = -1;
       for (int j = y * side; j <= std::min((y + 1) * side, p.rows()); ++j) {
         for (int i = x * side; i <= std::min((x + 1) * side, p.columns()); ++i) {
-          const double depth = depths[s->grid().index(p.first() + i, p.first() + j)];
+          const double depth = depths[s->grid().index(p.first_cell() + i, p.first_cell() + j)];
           shallow = std::min(shallow, depth);
           deep = std::max(deep, depth);
         }
@@ -104,12 +104,12 @@ TEST_CASE("ranges are exact: some texel is as deep as they say, some as shallow"
       CHECK(p.range(level, x, y).shallow == shallow);
       CHECK(p.range(level, x, y).deep == deep);
     });
-    CHECK(p.whole().shallow == *std::min_element(depths.begin(), depths.end()));
-    CHECK(p.whole().deep == *std::max_element(depths.begin(), depths.end()));
+    CHECK(p.total_range().shallow == *std::min_element(depths.begin(), depths.end()));
+    CHECK(p.total_range().deep == *std::max_element(depths.begin(), depths.end()));
   }
 }
 
-TEST_CASE("slabs hug a slope: a tilted plane is held within a few steps of storage") {
+TEST_CASE("slabs are tight on a slope: a tilted plane is bounded within a few steps of storage") {
   const auto s = tests::made_surface(
       64, [](Vec2 uv) { return 0.2 + 0.5 * uv.x() + 0.2 * uv.y(); }, [](Vec2) { return Vec3::UnitZ(); }, 0.02,
       tests::flat_placement(), Edge::clamp);
@@ -123,7 +123,7 @@ TEST_CASE("slabs hug a slope: a tilted plane is held within a few steps of stora
 
 TEST_CASE("lowest and highest over a rectangle are those of brute force") {
   const auto surfaces = tests::various_surfaces();
-  const int count = tests::poses(2000) / static_cast<int>(surfaces.size()) + 1;
+  const int count = tests::poses(2000) / int(surfaces.size()) + 1;
   double worst = 0;
   for (const auto& s : surfaces) {
     Random random(40);
@@ -131,7 +131,7 @@ TEST_CASE("lowest and highest over a rectangle are those of brute force") {
       const Vec2 a(random.uniform(-1, 2), random.uniform(-1, 2));
       const double size = std::pow(10.0, random.uniform(-3, 0.3));
       const Vec2 b = a + Vec2(random.uniform(-size, size), random.uniform(-size, size));
-      const Extent found = extent(*s, a, b), brute = brute_extent(*s, a, b);
+      const HeightRange found = height_range(*s, a, b), brute = brute_height_range(*s, a, b);
       worst = std::max({worst, std::abs(found.low - brute.low), std::abs(found.high - brute.high)});
     }
   }
@@ -139,25 +139,26 @@ TEST_CASE("lowest and highest over a rectangle are those of brute force") {
   CHECK(worst < 1e-12);
 }
 
-TEST_CASE("the extent of a point is its height, of everything the whole range, of a plane zero") {
+TEST_CASE("the height range of a point is its height, of everything the total range, of a plane zero") {
   for (const auto& s : tests::various_surfaces()) {
     const Vec2 uv(0.37, 0.61);
-    CHECK(extent(*s, uv, uv).low == doctest::Approx(-s->depth(uv)).epsilon(1e-12));
-    const Extent all = extent(*s, {-3, -3}, {3, 3}), nothing = extent(*s, {std::nan(""), 0}, {1, 1}),
-                 far = extent(*s, {-1e300, -1e300}, {1e300, 1e300});
-    const Pyramid::Range whole = s->pyramid().whole();
-    for (const Extent& e : {all, nothing, far}) {
+    CHECK(height_range(*s, uv, uv).low == doctest::Approx(-s->depth(uv)).epsilon(1e-12));
+    const HeightRange all = height_range(*s, {-3, -3}, {3, 3}),
+                      nothing = height_range(*s, {std::nan(""), 0}, {1, 1}),
+                      far = height_range(*s, {-1e300, -1e300}, {1e300, 1e300});
+    const Pyramid::Range whole = s->pyramid().total_range();
+    for (const HeightRange& e : {all, nothing, far}) {
       CHECK(e.low == doctest::Approx(-s->max_depth() * whole.deep));
       CHECK(e.high == doctest::Approx(-s->max_depth() * whole.shallow));
     }
-    const Extent aside = extent(*s, {1e300, 0.5}, {1e300, 0.5});
+    const HeightRange aside = height_range(*s, {1e300, 0.5}, {1e300, 0.5});
     CHECK((aside.low <= aside.high && aside.high <= 0 && aside.low >= -s->max_depth()));
   }
   Texels texels;
   texels.width = texels.height = 2;
   texels.normal.assign(4, Vec3::UnitZ());
   const Surface flat(std::move(texels), tests::flat_placement(), 0.02, Edge::wrap);
-  CHECK(extent(flat, {0, 0}, {1, 1}).low == 0);
+  CHECK(height_range(flat, {0, 0}, {1, 1}).low == 0);
   CHECK(flat.pyramid().levels() == 0);
 }
 

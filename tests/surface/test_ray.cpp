@@ -11,7 +11,7 @@ using namespace intaglio::surface;
 
 namespace {
 
-// The independent way: every cell under the ray in order (Amanatides and Woo, 1987), and in each the height
+// Brute force: every cell under the ray in order (Amanatides and Woo, 1987), and in each the height
 // of the ray above the patch, a parabola in t, split at its turning point and bisected.
 class March {
  public:
@@ -71,9 +71,9 @@ class March {
 
 }  // namespace
 
-TEST_CASE("a ray's hit is where a march through every cell finds it, whatever size, edge and direction") {
+TEST_CASE("a ray hits where a march through every cell finds it, whatever size, edge and direction") {
   const auto surfaces = tests::various_surfaces();
-  const int count = tests::poses(5000) / static_cast<int>(surfaces.size()) + 1;
+  const int count = tests::poses(5000) / int(surfaces.size()) + 1;
   double worst = 0;
   int hits = 0, grazed = 0;
   for (std::size_t n = 0; n < surfaces.size(); ++n) {
@@ -105,12 +105,12 @@ TEST_CASE("a ray's hit is where a march through every cell finds it, whatever si
     }
   }
   MESSAGE(hits << " hits, worst disagreement: " << worst << " m; grazes: " << grazed);
-  CHECK(hits > count * static_cast<int>(surfaces.size()) / 2);
+  CHECK(hits > count * int(surfaces.size()) / 2);
   CHECK(worst < 1e-6);
   CHECK(grazed == 0);
 }
 
-TEST_CASE("nothing is hit before the hit") {
+TEST_CASE("a ray hits nothing before its first hit") {
   const auto s = tests::brick_surface(64);
   Random random(21);
   int hits = 0;
@@ -184,7 +184,7 @@ TEST_CASE("without a depth map a ray meets the plane z = 0") {
   CHECK_FALSE(intersect(s, {0.2, 0.2, 1}, {1, 0, -1}, 0, 10));
 }
 
-TEST_CASE("beside the rectangle, away from it or with bad numbers nothing is hit") {
+TEST_CASE("rays beside the rectangle, away from it or with bad numbers hit nothing") {
   const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
   for (const auto& s : tests::various_surfaces()) {
     CHECK_FALSE(intersect(*s, {1.5, 0.5, 1}, {0, 0, -1}, 0, 10));

@@ -17,8 +17,8 @@ TEST_CASE("depth at a texel's centre is the texel's depth, and between texels it
   const auto s = brick_surface(64);
   Random random(1);
   for (int k = 0; k < 2000; ++k) {
-    const int i = static_cast<int>(random.uniform(0, 64));
-    const int j = static_cast<int>(random.uniform(0, 64));
+    const int i = int(random.uniform(0, 64));
+    const int j = int(random.uniform(0, 64));
     CHECK(s->depth({(i + 0.5) / 64, (j + 0.5) / 64}) == doctest::Approx(-s->texel_z(i, j)).epsilon(1e-12));
     const Cell cell = s->cell(i, j);
     const Vec2 uv((cell.x0 + random.uniform() * cell.width()) / s->placement().size_u(),
@@ -39,7 +39,7 @@ TEST_CASE("wrap is seamless: depth, normal and gradient repeat with period 1") {
   }));
 }
 
-TEST_CASE("clamp goes on with the border") {
+TEST_CASE("clamp extends the border") {
   const auto s = made_surface(
       8, [](Vec2 uv) { return uv.x(); }, [](Vec2) { return Vec3::UnitZ(); }, 0.02, tests::flat_placement(),
       Edge::clamp);
@@ -77,7 +77,7 @@ TEST_CASE("the brick's normals are those of its depth: central differences, to 1
   CHECK(worst < 5e-4);
 }
 
-TEST_CASE("turning the placement turns the answers and changes nothing else") {
+TEST_CASE("rotating the placement rotates the answers and changes nothing else") {
   const Quat turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, -0.5).normalized()) * Quat::Identity();
   const Placement flat = tests::flat_placement();
   const Placement turned(Vec3(3, -1, 2), turn, 1, 1);
@@ -111,7 +111,7 @@ TEST_CASE("a 512 x 512 surface is at most 3 MiB, its colours aside") {
   CHECK(bytes <= 3u << 20);
 }
 
-TEST_CASE("a sample at footprint 0 is what depth, normal and gradient say") {
+TEST_CASE("a sample at footprint 0 equals depth, normal and gradient") {
   for (const auto& s : tests::various_surfaces()) {
     Random random(30);
     for (int k = 0; k < 200; ++k) {
@@ -139,7 +139,7 @@ TEST_CASE(
       CHECK((sample.normal - next.normal).norm() < 1e-6);
       CHECK(std::abs(sample.roughness * sample.roughness - next.roughness * next.roughness) < 1e-6);
       CHECK(sample.normal.norm() == doctest::Approx(1));
-      const Pyramid::Range range = s->pyramid().whole();
+      const Pyramid::Range range = s->pyramid().total_range();
       CHECK(sample.depth >= s->max_depth() * (range.shallow - 1e-5));
       CHECK(sample.depth <= s->max_depth() * (range.deep + 1e-5));
       const double h = 1e-7;
@@ -167,7 +167,7 @@ TEST_CASE("the gradient of smooth() is the derivative of its height, and continu
       const Vec2 numeric = Vec2(height(uv + Vec2(h, 0)) - height(uv - Vec2(h, 0)),
                                 height(uv + Vec2(0, h)) - height(uv - Vec2(0, h)))
                                .cwiseQuotient(2 * h * metres);
-      const Smooth here = s->smooth(uv, footprint);
+      const SmoothHeight here = s->smooth(uv, footprint);
       CHECK((here.gradient - numeric).norm() < 1e-4 * (1 + numeric.norm()));
       for (const Vec2& step : {Vec2(1e-9, 0), Vec2(-1e-9, 0), Vec2(0, 1e-9)}) {
         CHECK((s->smooth(uv + step, footprint).gradient - here.gradient).norm() <
@@ -195,7 +195,7 @@ TEST_CASE("smooth() goes through the texels, and without a depth map it is the p
   CHECK(sample.roughness < 1e-3);
 }
 
-TEST_CASE("wrap is seamless at every footprint, and clamp goes on with the border") {
+TEST_CASE("wrap is seamless at every footprint, and clamp extends the border") {
   for (const auto& s : tests::various_surfaces()) {
     Random random(33);
     for (int k = 0; k < 200; ++k) {
@@ -220,7 +220,7 @@ TEST_CASE("wrap is seamless at every footprint, and clamp goes on with the borde
   }
 }
 
-TEST_CASE("numbers that are not finite, or huge, are answered with finite ones") {
+TEST_CASE("non-finite and huge arguments give finite results") {
   const double infinity = std::numeric_limits<double>::infinity();
   for (const auto& s : tests::various_surfaces()) {
     for (const double bad : {std::nan(""), infinity, -infinity, 1e6, -1e6, 1e300}) {
@@ -228,7 +228,7 @@ TEST_CASE("numbers that are not finite, or huge, are answered with finite ones")
         const Sample sample = s->sample({bad, 0.5}, footprint);
         CHECK((std::isfinite(sample.depth) && sample.normal.allFinite() && sample.gradient.allFinite() &&
                std::isfinite(sample.roughness)));
-        const Smooth smooth = s->smooth({0.5, bad}, footprint);
+        const SmoothHeight smooth = s->smooth({0.5, bad}, footprint);
         CHECK((std::isfinite(smooth.height) && smooth.gradient.allFinite()));
       }
     }
@@ -238,14 +238,14 @@ TEST_CASE("numbers that are not finite, or huge, are answered with finite ones")
 TEST_CASE("memory grows linearly with the texels") {
   const auto bytes = [](int size) {
     const auto s = tests::rough_surface(size, size, Edge::wrap);
-    return static_cast<double>(s->memory_bytes() - sizeof *s - s->colour().data.size()) / size / size;
+    return double(s->memory_bytes() - sizeof *s - s->colour().data.size()) / size / size;
   };
   const double small = bytes(128), large = bytes(512);
   MESSAGE("bytes a texel: " << small << " at 128 x 128, " << large << " at 512 x 512");
   CHECK(large == doctest::Approx(small).epsilon(0.02));
 }
 
-TEST_CASE("queries agree however the placement is turned") {
+TEST_CASE("queries agree however the placement is rotated") {
   const Quat turn(Eigen::AngleAxisd(1.1, Vec3(0.3, -1, 0.5).normalized()));
   const auto depth = [](Vec2 uv) { return 0.5 + 0.4 * std::sin(12 * uv.x()) * std::cos(9 * uv.y()); };
   const auto normal = [](Vec2) { return Vec3::UnitZ(); };

@@ -57,7 +57,7 @@ Result<void> write_wav(const fs::path& path, std::span<const float> samples, int
   info.channels = options.channels;
   info.samplerate = sample_rate;
   info.format = file_format(options.format);
-  const auto made = temporary_for(path);
+  const auto made = create_temporary(path);
   if (!made) return tl::unexpected(made.error());
   const fs::path& temporary = *made;
   std::error_code error;

@@ -1,8 +1,9 @@
-#include "surface/image/exr.h"
-
+// EXR. The header is read and bounded before OpenEXR sees the file, because OpenEXR allocates what a header
+// requests before it checks whether the file has it. Source: "OpenEXR File Layout", openexr.com.
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfIO.h>
 #include <OpenEXR/ImfInputFile.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -12,18 +13,37 @@
 #include <map>
 #include <optional>
 #include <stdexcept>
-#include <fmt/format.h>
+#include <string>
+#include <vector>
+
+#include "surface/image/image_file.h"
 
 namespace intaglio::surface {
 
 namespace {
 
+enum class ExrSample { uint32 = 0, half = 1, single = 2 };  // as numbered in files
+
+struct ExrChannel {
+  std::string name;
+  ExrSample sample;
+};
+
+struct ExrHeader {
+  int left = 0, top = 0;  // the data window's first pixel; may be negative
+  int width = 0, height = 0;
+  std::vector<ExrChannel> channels;
+  std::size_t channels_at = 0;  // byte where their list begins
+  // The header bytes passed to OpenEXR. Attributes irrelevant to the pixels (previews, manifests, lists of
+  // strings) get an unknown type, so that OpenEXR skips them instead of allocating their claimed size.
+  std::vector<std::uint8_t> sanitised;
+};
+
 constexpr std::size_t first_attribute = 8;  // after the magic number and the version
 constexpr std::uint64_t max_block_bytes = 128u << 20;
 constexpr std::uint32_t max_tile_side = 4096;
 
-// Reads little-endian values and names. What goes beyond the end comes as 0, and `ended` stays true from then
-// on.
+// Little-endian reader. Reads past the end return 0 and set `ended`.
 struct Cursor {
   Bytes bytes;
   std::size_t at = 0;
@@ -35,11 +55,11 @@ struct Cursor {
     for (std::size_t k = 0; k < count && !ended; ++k) value |= std::uint32_t{bytes[at++]} << (8 * k);
     return value;
   }
-  int signed_number() { return static_cast<int>(number()); }
-  // Up to its zero byte; at most 255 characters, which is all the format allows.
+  int signed_number() { return int(number()); }
+  // Text up to its zero byte; at most 255 characters, the limit of the format.
   std::string text() {
     std::string value;
-    while (const auto c = static_cast<char>(number(1))) {
+    while (const auto c = char(number(1))) {
       value += c;
       ended = ended || value.size() > 255;
       if (ended) return {};
@@ -48,22 +68,22 @@ struct Cursor {
   }
 };
 
-// The attributes that say how the pixels are stored; size 0 is any.
-struct Needed {
+// The attributes that describe the storage of the pixels; size 0 is any.
+struct KnownAttribute {
   const char* name;
   const char* type;
   std::size_t size;
   bool required;
 };
-constexpr std::array<Needed, 9> all_needed{{{"channels", "chlist", 0, true},
-                                            {"compression", "compression", 1, true},
-                                            {"dataWindow", "box2i", 16, true},
-                                            {"displayWindow", "box2i", 16, true},
-                                            {"lineOrder", "lineOrder", 1, true},
-                                            {"pixelAspectRatio", "float", 4, true},
-                                            {"screenWindowCenter", "v2f", 8, true},
-                                            {"screenWindowWidth", "float", 4, true},
-                                            {"tiles", "tiledesc", 9, false}}};
+constexpr std::array<KnownAttribute, 9> known_attributes{{{"channels", "chlist", 0, true},
+                                                          {"compression", "compression", 1, true},
+                                                          {"dataWindow", "box2i", 16, true},
+                                                          {"displayWindow", "box2i", 16, true},
+                                                          {"lineOrder", "lineOrder", 1, true},
+                                                          {"pixelAspectRatio", "float", 4, true},
+                                                          {"screenWindowCenter", "v2f", 8, true},
+                                                          {"screenWindowWidth", "float", 4, true},
+                                                          {"tiles", "tiledesc", 9, false}}};
 
 class Reader {
  public:
@@ -94,8 +114,8 @@ class Reader {
 
   Result<void> read_version();
   Result<void> read_attributes();
-  Result<void> keep(const std::string& name, const std::string& type, std::size_t type_at,
-                    Attribute attribute);
+  Result<void> store_attribute(const std::string& name, const std::string& type, std::size_t type_at,
+                               Attribute attribute);
   Result<void> read_window();
   Result<void> read_channels();
   Result<void> read_blocks();
@@ -106,7 +126,7 @@ class Reader {
   const ImageLimits& limits_;
   bool tiled_ = false;
   std::uint64_t bytes_per_pixel_ = 0;
-  std::map<std::string, Attribute> attributes_;  // the needed ones
+  std::map<std::string, Attribute> attributes_;  // the known ones
   ExrHeader header_;
 };
 
@@ -122,10 +142,10 @@ Result<void> Reader::read_version() {
   return {};
 }
 
-// Attributes are name, type, size and so many bytes; an empty name ends them.
+// Attributes are name, type, size and that many bytes; an empty name ends them.
 Result<void> Reader::read_attributes() {
   Cursor cursor{bytes_, first_attribute};
-  header_.shown.assign(bytes_.begin(), bytes_.begin() + first_attribute);
+  header_.sanitised.assign(bytes_.begin(), bytes_.begin() + first_attribute);
   while (true) {
     const std::size_t start = cursor.at;
     const std::string name = cursor.text();
@@ -138,32 +158,32 @@ Result<void> Reader::read_attributes() {
     if (type.empty()) return broken(type_at, "an attribute without a type");
     const Attribute attribute{cursor.at, size};
     cursor.at += size;
-    header_.shown.insert(header_.shown.end(), bytes_.begin() + std::ptrdiff_t(start),
-                         bytes_.begin() + std::ptrdiff_t(cursor.at));
-    if (auto good = keep(name, type, type_at, attribute); !good) return good;
+    header_.sanitised.insert(header_.sanitised.end(), bytes_.begin() + std::ptrdiff_t(start),
+                             bytes_.begin() + std::ptrdiff_t(cursor.at));
+    if (auto good = store_attribute(name, type, type_at, attribute); !good) return good;
   }
-  header_.shown.push_back(0);
-  for (const Needed& needed : all_needed) {
-    const bool wanted = needed.required || tiled_;
-    if (wanted && attributes_.count(needed.name) == 0)
-      return broken(cursor.at, fmt::format("the header ends here without {}", needed.name));
+  header_.sanitised.push_back(0);
+  for (const KnownAttribute& known : known_attributes) {
+    const bool needed = known.required || tiled_;
+    if (needed && attributes_.count(known.name) == 0)
+      return broken(cursor.at, fmt::format("the header ends here without {}", known.name));
   }
   return {};
 }
 
-Result<void> Reader::keep(const std::string& name, const std::string& type, std::size_t type_at,
-                          Attribute attribute) {
-  const auto needed =
-      std::find_if(all_needed.begin(), all_needed.end(), [&](const Needed& n) { return n.name == name; });
-  if (needed == all_needed.end()) {
-    header_.shown[type_at] = '?';
+Result<void> Reader::store_attribute(const std::string& name, const std::string& type, std::size_t type_at,
+                                     Attribute attribute) {
+  const auto known = std::find_if(known_attributes.begin(), known_attributes.end(),
+                                  [&](const KnownAttribute& n) { return n.name == name; });
+  if (known == known_attributes.end()) {
+    header_.sanitised[type_at] = '?';
     return {};
   }
-  if (type != needed->type || (needed->size != 0 && attribute.size != needed->size)) {
+  if (type != known->type || (known->size != 0 && attribute.size != known->size)) {
     return broken(type_at, fmt::format("{} is {} of {} bytes", name, type, attribute.size));
   }
   if (!attributes_.emplace(name, attribute).second)
-    return broken(type_at, fmt::format("{} comes twice", name));
+    return broken(type_at, fmt::format("{} appears twice", name));
   return {};
 }
 
@@ -173,10 +193,10 @@ Result<void> Reader::read_window() {
   const std::int64_t width = cursor.signed_number() - left + 1, height = cursor.signed_number() - top + 1;
   if (auto size = check_size(at_byte(name_, place_of("dataWindow")), width, height, limits_); !size)
     return size;
-  header_.left = static_cast<int>(left);
-  header_.top = static_cast<int>(top);
-  header_.width = static_cast<int>(width);
-  header_.height = static_cast<int>(height);
+  header_.left = int(left);
+  header_.top = int(top);
+  header_.width = int(width);
+  header_.height = int(height);
   return {};
 }
 
@@ -191,19 +211,19 @@ Result<void> Reader::read_channels() {
     cursor.number();  // perceptually linear or not: a hint for lossy writers
     const std::uint32_t x_step = cursor.number(), y_step = cursor.number();
     if (cursor.ended || sample > 2)
-      return broken(at, fmt::format("channel {} is cut or of an unknown type", channel));
+      return broken(at, fmt::format("channel {} is truncated or of an unknown type", channel));
     if (x_step != 1 || y_step != 1)
       return fail_at(name_, at, fmt::format("channel {} is subsampled", channel),
                      "save it at full size, as RGB");
     header_.channels.push_back({channel, static_cast<ExrSample>(sample)});
     bytes_per_pixel_ += header_.channels.back().sample == ExrSample::half ? 2 : 4;
   }
-  if (cursor.ended || cursor.at != cursor.bytes.size()) return broken(start, "the list of channels is cut");
+  if (cursor.ended || cursor.at != cursor.bytes.size()) return broken(start, "the channel list is truncated");
   if (header_.channels.empty()) return broken(start, "no channels");
   return {};
 }
 
-// Width and height of what is compressed at once: a tile, or some rows.
+// Size of one compression block: a tile, or some rows.
 Result<std::array<std::uint64_t, 2>> Reader::block_size() const {
   constexpr std::array<std::uint64_t, 10> rows{
       1, 1, 1, 16, 32, 16, 32, 32, 32, 256};  // none RLE ZIPS ZIP PIZ PXR24 B44 B44A DWAA DWAB
@@ -220,7 +240,7 @@ Result<std::array<std::uint64_t, 2>> Reader::block_size() const {
   return std::array{std::uint64_t{width}, std::uint64_t{height}};
 }
 
-// After the header comes a table of 8 bytes for each block: no file has more blocks than it has room for.
+// After the header comes a table with 8 bytes for each block, which bounds their number by the file's size.
 Result<void> Reader::read_blocks() {
   const auto block = block_size();
   if (!block) return tl::unexpected(block.error());
@@ -232,34 +252,34 @@ Result<void> Reader::read_blocks() {
   }
   const auto round_up = [](int side, std::uint64_t step) { return (std::uint64_t(side) + step - 1) / step; };
   const std::uint64_t blocks = round_up(header_.width, width) * round_up(header_.height, height);
-  if (blocks * 8 > bytes_.size() - header_.shown.size()) {
+  if (blocks * 8 > bytes_.size() - header_.sanitised.size()) {
     return broken(bytes_.size(),
                   fmt::format("the file ends here, too early for a table of {} blocks", blocks));
   }
   return {};
 }
 
-}  // namespace
-
+// Errors: not a flat single-part image; sizes beyond the limits; attributes that are missing, duplicate, or
+// of the wrong size; blocks of pixels larger than 128 MiB; more blocks than the file has room for.
 Result<ExrHeader> read_exr_header(Bytes bytes, const std::string& name, const ImageLimits& limits) {
   return Reader(bytes, name, limits).read();
 }
 
-namespace {
+// --- Pixels ---
 
-// A file in memory, whose header is replaced by the one that OpenEXR shall see; the two are equally long.
-class Stream : public Imf::IStream {
+// An in-memory file that presents the sanitised header, which is as long as the file's own.
+class MemoryStream : public Imf::IStream {
  public:
-  Stream(Bytes bytes, Bytes header, const std::string& name)
+  MemoryStream(Bytes bytes, Bytes header, const std::string& name)
       : IStream(name.c_str()), bytes_(bytes), header_(header) {}
 
   bool read(char to[], int count) override {
-    const std::uint64_t end = at_ + static_cast<std::uint64_t>(std::max(count, 0));
+    const std::uint64_t end = at_ + std::uint64_t(std::max(count, 0));
     if (count < 0 || at_ > bytes_.size() || end > bytes_.size()) {
       at_ = bytes_.size();
-      throw std::runtime_error("the file ends here");
+      throw std::runtime_error("unexpected end of file");
     }
-    for (; at_ < std::min<std::uint64_t>(end, header_.size()); ++at_) *to++ = static_cast<char>(header_[at_]);
+    for (; at_ < std::min<std::uint64_t>(end, header_.size()); ++at_) *to++ = char(header_[at_]);
     if (end > at_) std::memcpy(to, bytes_.data() + at_, end - at_);
     at_ = end;
     return at_ < bytes_.size();
@@ -274,7 +294,7 @@ class Stream : public Imf::IStream {
   std::uint64_t at_ = 0;
 };
 
-// The file's channels that are read, in the order of the image's: R G B (A), Y (A) or the only one.
+// The channels to read, in the order of the image's: R G B (A), Y (A) or the only one.
 Result<std::vector<ExrChannel>> choose_channels(const ExrHeader& header, const std::string& name) {
   if (header.channels.size() == 1) return header.channels;
   std::vector<ExrChannel> chosen;
@@ -296,9 +316,9 @@ Result<std::vector<ExrChannel>> choose_channels(const ExrHeader& header, const s
                  "save R G B (A), Y, or one channel");
 }
 
-// Where channel k of `count` chosen ones goes: Y A is made into R G B A.
-int component(std::size_t k, std::size_t count) {
-  return count == 2 && k == 1 ? 3 : static_cast<int>(k);
+// The image's channel for channel k of `count` chosen ones: Y A becomes R G B A.
+int channel_index(std::size_t k, std::size_t count) {
+  return count == 2 && k == 1 ? 3 : int(k);
 }
 
 Imf::FrameBuffer frame_buffer(const ExrHeader& header, const std::vector<ExrChannel>& chosen,
@@ -308,7 +328,7 @@ Imf::FrameBuffer frame_buffer(const ExrHeader& header, const std::vector<ExrChan
   const std::size_t pixel = std::size_t(image.channels) * sizeof(float);
   Imf::FrameBuffer buffer;
   for (std::size_t k = 0; k < chosen.size(); ++k) {
-    float* const first = &image.at(0, 0, component(k, chosen.size()));
+    float* const first = &image.at(0, 0, channel_index(k, chosen.size()));
     buffer.insert(chosen[k].name,
                   Imf::Slice::Make(Imf::FLOAT, first, window, pixel, pixel * std::size_t(image.width)));
   }
@@ -319,7 +339,7 @@ Result<void> check_finite(const Image<float>& image, const std::string& name) {
   const auto bad =
       std::find_if(image.data.begin(), image.data.end(), [](float v) { return !std::isfinite(v); });
   if (bad == image.data.end()) return {};
-  const auto pixel = static_cast<std::size_t>(bad - image.data.begin()) / std::size_t(image.channels);
+  const auto pixel = std::size_t(bad - image.data.begin()) / std::size_t(image.channels);
   const auto x = pixel % std::size_t(image.width), y = pixel / std::size_t(image.width);
   return fail(name, fmt::format("the pixel in column {}, row {} (from the top left, 0) is {}", x, y, *bad),
               "every pixel must be a finite number");
@@ -344,17 +364,17 @@ Result<DecodedImage> decode_exr(Bytes bytes, const std::string& name, const Imag
   if (!header) return tl::unexpected(header.error());
   const auto chosen = choose_channels(*header, name);
   if (!chosen) return tl::unexpected(chosen.error());
-  const auto any = [&](ExrSample sample) {
+  const auto uses = [&](ExrSample sample) {
     return std::any_of(chosen->begin(), chosen->end(),
                        [&](const ExrChannel& c) { return c.sample == sample; });
   };
-  if (any(ExrSample::whole_number)) {
-    return fail_at(name, header->channels_at, "an EXR of whole numbers", "save it as half or float");
+  if (uses(ExrSample::uint32)) {
+    return fail_at(name, header->channels_at, "an EXR with integer samples", "save it as half or float");
   }
 
-  const int channels = chosen->size() == 2 ? 4 : static_cast<int>(chosen->size());
-  DecodedImage out{Image<float>(header->width, header->height, channels), any(ExrSample::single) ? 32 : 16};
-  Stream stream(bytes, header->shown, name);
+  const int channels = chosen->size() == 2 ? 4 : int(chosen->size());
+  DecodedImage out{Image<float>(header->width, header->height, channels), uses(ExrSample::single) ? 32 : 16};
+  MemoryStream stream(bytes, header->sanitised, name);
   try {
     Imf::InputFile file(stream, 0);
     file.setFrameBuffer(frame_buffer(*header, *chosen, out.pixels));

@@ -24,11 +24,10 @@ Result<DecodedImage> decode_jpeg(Bytes bytes, const std::string& name, const Ima
     return broken();
   }
   if (auto size = check_size(name, width, height, limits); !size) return tl::unexpected(size.error());
-  if (colours == TJCS_CMYK || colours == TJCS_YCCK)
-    return fail(name, "is a JPEG of printing inks (CMYK)", "save it as RGB");
+  if (colours == TJCS_CMYK || colours == TJCS_YCCK) return fail(name, "is a CMYK JPEG", "save it as RGB");
 
-  // Decoding fails, rather than warns, on a truncated file: a half-grey texture would be felt as a step. Some
-  // files ask for thousands of progressive scans of the same pixels; that is refused too.
+  // A truncated file is an error rather than a warning: a half-decoded texture would produce a step in the
+  // relief. Files that request thousands of progressive scans of the same pixels are rejected, too.
   const bool grey = colours == TJCS_GRAY;
   Image8 image(width, height, grey ? 1 : 3);
   const int flags = TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS;

@@ -14,12 +14,12 @@ namespace {
 
 using Context = std::unique_ptr<spng_ctx, void (*)(spng_ctx*)>;
 
-// Bytes on their way to libspng; `at` is how far it has read, which is where an error is.
+// The bytes that libspng reads; `at` is how far it has read, reported as the place of an error.
 struct Source {
   Bytes bytes;
   std::size_t at = 0;
-  bool ended =
-      false;  // more was asked for than there is; libspng forgives that after the last pixel, we do not
+  // Read past the end: libspng accepts that after the last pixel, we reject it.
+  bool hit_end = false;
 };
 
 int read_source(spng_ctx*, void* user, void* destination, std::size_t length) {
@@ -28,7 +28,7 @@ int read_source(spng_ctx*, void* user, void* destination, std::size_t length) {
   const std::size_t taken = enough ? length : source.bytes.size() - source.at;
   if (enough && length > 0) std::memcpy(destination, source.bytes.data() + source.at, length);
   source.at += taken;
-  source.ended = source.ended || !enough;
+  source.hit_end = source.hit_end || !enough;
   return enough ? 0 : SPNG_IO_EOF;
 }
 
@@ -40,8 +40,7 @@ Context open(Source& source) {
   return context;
 }
 
-// Deflate packs at most 1032 bytes into one: a file with fewer bytes than that is cut, and not worth
-// allocating for.
+// Deflate packs at most 1032 bytes into one: a smaller file is truncated; reject it before allocating.
 bool can_hold(std::size_t file_size, const spng_ihdr& header) {
   constexpr std::array<std::uint64_t, 7> samples{1, 0, 3, 1, 2, 0, 4};  // by colour type
   const std::uint64_t bits = samples.at(header.color_type) * header.bit_depth;
@@ -64,8 +63,8 @@ struct Columns {
 constexpr std::array<Columns, 7> adam7{{{0, 8}, {4, 8}, {0, 4}, {2, 4}, {0, 2}, {1, 2}, {0, 1}}};
 
 // Row by row, so that there is never a second copy of a large image. Libspng widens all samples to 16 bits by
-// whole factors (v * 65535 / (2^bits - 1) is an integer), so the quotients below are the exactly rounded ones
-// of the file's.
+// exact integer factors (65535 / (2^bits - 1) is an integer), so the quotients below are those of the file's
+// samples, correctly rounded.
 int decode_rows(spng_ctx* context, bool interlaced, Image<float>& image) {
   std::vector<std::uint16_t> row(std::size_t(image.width) * 4);
   int status =
@@ -76,16 +75,15 @@ int decode_rows(spng_ctx* context, bool interlaced, Image<float>& image) {
     if (status != 0) break;
     status = spng_decode_row(context, row.data(), row.size() * sizeof(std::uint16_t));
     if (status != 0 && status != SPNG_EOI) break;
-    const Columns columns = interlaced ? adam7.at(static_cast<std::size_t>(place.pass)) : Columns{0, 1};
+    const Columns columns = interlaced ? adam7.at(std::size_t(place.pass)) : Columns{0, 1};
     for (int x = columns.first; x < image.width; x += columns.step) {
       for (int c = 0; c < image.channels; ++c) {
-        image.at(x, static_cast<int>(place.row_num), c) =
-            float(row[std::size_t(x) * 4 + std::size_t(c)]) / 65535.0f;
+        image.at(x, int(place.row_num), c) = float(row[std::size_t(x) * 4 + std::size_t(c)]) / 65535.0f;
       }
     }
   }
-  return status == SPNG_EOI ? spng_decode_chunks(context)
-                            : status;  // to the file's end: a cut file is an error
+  // Read to the end of the file, so that truncation is detected.
+  return status == SPNG_EOI ? spng_decode_chunks(context) : status;
 }
 
 }  // namespace
@@ -99,7 +97,7 @@ Result<DecodedImage> decode_png(Bytes bytes, const std::string& name, const Imag
   Source source{bytes};
   const Context context = open(source);
   const auto broken = [&](int status) {
-    const char* const reason = source.ended ? "the file ends here" : spng_strerror(status);
+    const char* const reason = source.hit_end ? "unexpected end of file" : spng_strerror(status);
     return fail_at(name, source.at, fmt::format("broken PNG: {}", reason), "save it again");
   };
   spng_ihdr header{};
@@ -111,11 +109,11 @@ Result<DecodedImage> decode_png(Bytes bytes, const std::string& name, const Imag
                                   header.width, header.height);
     return fail_at(name, bytes.size(), what, "save it again");
   }
-  const int width = static_cast<int>(header.width), height = static_cast<int>(header.height);
+  const int width = int(header.width), height = int(header.height);
   DecodedImage out{Image<float>(width, height, channels_of(context.get(), header)),
                    std::max<int>(8, header.bit_depth)};
   const int status = decode_rows(context.get(), header.interlace_method != 0, out.pixels);
-  if (status != 0 || source.ended) return broken(status);
+  if (status != 0 || source.hit_end) return broken(status);
   return out;
 }
 

@@ -1,6 +1,6 @@
 // TGA: an 18-byte header, an optional id and colour map, then pixels as B G R (A), raw or in run-length
-// packets. Source: Truevision TGA File Format Specification, version 2.0, 1991. The footer of version 2 holds
-// nothing we need.
+// packets. Source: Truevision TGA File Format Specification, version 2.0, 1991. The footer of version 2
+// contains nothing we need.
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -26,10 +26,10 @@ struct Header {
   int alpha_bits() const { return descriptor & 0x0f; }
   int bytes_per_pixel() const { return bits / 8; }
   std::size_t pixels() const { return std::size_t(width) * std::size_t(height); }
-  // A colour map may be there even for true colour; it is skipped.
+  // A colour map may be present even in true colour; it is skipped.
   std::size_t first_pixel_byte() const {
     const int map = map_type == 1 ? map_length * ((map_bits + 7) / 8) : 0;
-    return header_size + static_cast<std::size_t>(id_length + map);
+    return header_size + std::size_t(id_length + map);
   }
 };
 
@@ -58,28 +58,29 @@ Result<void> check_header(const Header& header, const std::string& name, const I
   return {};
 }
 
-// Is there the least number of bytes that such an image takes? Asked before it is allocated.
+// Checks the minimum file size before allocating.
 Result<void> check_length(const Header& header, Bytes bytes, const std::string& name) {
-  const auto pixel = static_cast<std::size_t>(header.bytes_per_pixel());
-  const std::size_t most_in_packet = 128;
-  const std::size_t packets = (header.pixels() + most_in_packet - 1) / most_in_packet;
-  const std::size_t least =
+  const auto pixel = std::size_t(header.bytes_per_pixel());
+  const std::size_t max_in_packet = 128;
+  const std::size_t packets = (header.pixels() + max_in_packet - 1) / max_in_packet;
+  const std::size_t min_bytes =
       header.first_pixel_byte() + (header.is_run_length() ? packets * (1 + pixel) : header.pixels() * pixel);
-  if (bytes.size() >= least) return {};
+  if (bytes.size() >= min_bytes) return {};
   return fail_at(name, bytes.size(),
                  fmt::format("broken TGA: the file ends here, but {} x {} pixels take {} bytes or more",
-                             header.width, header.height, least),
+                             header.width, header.height, min_bytes),
                  "save it again");
 }
 
-// Takes pixels in the file's order and puts them where they belong.
-class Canvas {
+// Receives pixels in the file's order and stores them in the image's.
+class PixelWriter {
  public:
-  Canvas(const Header& header, Image<float>& image) : header_(header), image_(image) {}
+  PixelWriter(const Header& header, Image<float>& image) : header_(header), image_(image) {}
 
   std::size_t left() const { return header_.pixels() - count_; }
 
-  // The pixel whose B G R (A) or grey samples are at `samples`, `times` times; there must be so many left.
+  // Appends the pixel whose B G R (A) or grey samples are at `samples`, `times` times; requires left() >=
+  // times.
   void put(const std::uint8_t* samples, std::size_t times) {
     constexpr std::array<int, 4> bgra{2, 1, 0, 3};
     std::array<float, 4> pixel{};
@@ -107,34 +108,34 @@ class Canvas {
   int x_ = 0, y_ = 0;  // of the next pixel, in the file's order
 };
 
-void decode_raw(const Header& header, Bytes bytes, Canvas& canvas) {
-  const auto pixel = static_cast<std::size_t>(header.bytes_per_pixel());
-  for (std::size_t at = header.first_pixel_byte(); canvas.left() > 0; at += pixel) canvas.put(&bytes[at], 1);
+void decode_raw(const Header& header, Bytes bytes, PixelWriter& writer) {
+  const auto pixel = std::size_t(header.bytes_per_pixel());
+  for (std::size_t at = header.first_pixel_byte(); writer.left() > 0; at += pixel) writer.put(&bytes[at], 1);
 }
 
 // A packet is one byte, count - 1 with the top bit set for a run, then one pixel for a run or `count` pixels.
-// Packets may go on from one row to the next: version 2 forbids it, older files do it.
-Result<void> decode_packets(const Header& header, Bytes bytes, Canvas& canvas, const std::string& name) {
-  const auto pixel = static_cast<std::size_t>(header.bytes_per_pixel());
+// Packets may cross rows: version 2 forbids it, but older files do it.
+Result<void> decode_packets(const Header& header, Bytes bytes, PixelWriter& writer, const std::string& name) {
+  const auto pixel = std::size_t(header.bytes_per_pixel());
   std::size_t at = header.first_pixel_byte();
   const auto ends = [&] {
     return fail_at(name, bytes.size(),
-                   fmt::format("broken TGA: the file ends here, {} pixels too early", canvas.left()),
+                   fmt::format("broken TGA: the file ends here, {} pixels too early", writer.left()),
                    "save it again");
   };
-  while (canvas.left() > 0) {
+  while (writer.left() > 0) {
     if (at >= bytes.size()) return ends();
     const std::size_t packet = at++;
     const std::size_t count = (bytes[packet] & 0x7fu) + 1;
     const bool run = (bytes[packet] & 0x80) != 0;
-    if (count > canvas.left()) {
+    if (count > writer.left()) {
       return fail_at(name, packet,
-                     fmt::format("broken TGA: a packet of {} pixels where {} are left", count, canvas.left()),
+                     fmt::format("broken TGA: a packet of {} pixels where {} are left", count, writer.left()),
                      "save it again");
     }
     const std::size_t stored = run ? 1 : count;
     if (bytes.size() - at < stored * pixel) return ends();
-    for (std::size_t k = 0; k < stored; ++k) canvas.put(&bytes[at + k * pixel], run ? count : 1);
+    for (std::size_t k = 0; k < stored; ++k) writer.put(&bytes[at + k * pixel], run ? count : 1);
     at += stored * pixel;
   }
   return {};
@@ -159,10 +160,10 @@ Result<DecodedImage> decode_tga(Bytes bytes, const std::string& name, const Imag
   if (auto good = check_length(*header, bytes, name); !good) return tl::unexpected(good.error());
   DecodedImage out{Image<float>(header->width, header->height, header->bytes_per_pixel()), 8,
                    header->bottom_up()};
-  Canvas canvas(*header, out.pixels);
+  PixelWriter writer(*header, out.pixels);
   if (!header->is_run_length()) {
-    decode_raw(*header, bytes, canvas);
-  } else if (auto good = decode_packets(*header, bytes, canvas, name); !good) {
+    decode_raw(*header, bytes, writer);
+  } else if (auto good = decode_packets(*header, bytes, writer, name); !good) {
     return tl::unexpected(good.error());
   }
   return out;

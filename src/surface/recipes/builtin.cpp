@@ -1,5 +1,3 @@
-// The brick by its few numbers: brick_running with those put in.
-
 #include "surface/recipes/builtin.h"
 
 #include <algorithm>
@@ -13,35 +11,22 @@
 #include "core/text.h"
 #include "intaglio_materials.h"
 #include "surface/recipes/painter.h"
+#include "surface/texels.h"
 
 namespace intaglio::surface {
 
-TextureImages make_brick(const BrickRecipe& brick) {
-  BuiltinRecipe recipe = find_builtin("brick_running").value();
-  recipe.seed = brick.seed;
-  recipe.about.depth_fraction = brick.depth_fraction;
-  recipe.layout.columns = brick.columns;
-  recipe.layout.rows = brick.rows;
-  recipe.layout.joint = brick.joint;
-  recipe.layout.corner = brick.corner_radius;
-  recipe.profile.bevel = brick.bevel;
-  return make_texture(recipe, brick.size);
-}
-
-// The recipes that the program holds, as materials/*.toml.
-
 namespace {
 
-// All of them, in the order of the studies. A broken one cannot be shipped: a test reads them all.
-const std::vector<BuiltinRecipe>& library() {
-  static const std::vector<BuiltinRecipe> all = [] {
-    std::vector<BuiltinRecipe> recipes;
+// The embedded recipes, in the order of the studies. value() is safe: a test parses every one.
+const std::vector<Recipe>& library() {
+  static const std::vector<Recipe> all = [] {
+    std::vector<Recipe> recipes;
     for (const auto& [name, text] : materials::all) {
-      recipes.push_back(parse_builtin(text, "materials/" + std::string(name) + ".toml").value());
+      recipes.push_back(parse_recipe(text, "materials/" + std::string(name) + ".toml").value());
     }
-    const auto order = [](const BuiltinRecipe& r) { return std::pair(r.about.study, r.about.study_number); };
+    const auto order = [](const Recipe& r) { return std::pair(r.about.study, r.about.study_number); };
     std::stable_sort(recipes.begin(), recipes.end(),
-                     [&](const BuiltinRecipe& a, const BuiltinRecipe& b) { return order(a) < order(b); });
+                     [&](const Recipe& a, const Recipe& b) { return order(a) < order(b); });
     return recipes;
   }();
   return all;
@@ -51,13 +36,13 @@ const std::vector<BuiltinRecipe>& library() {
 
 std::vector<std::string> builtin_names() {
   std::vector<std::string> names;
-  for (const BuiltinRecipe& recipe : library()) names.push_back(recipe.about.name);
+  for (const Recipe& recipe : library()) names.push_back(recipe.about.name);
   return names;
 }
 
-Result<BuiltinRecipe> find_builtin(std::string_view name) {
+Result<Recipe> find_builtin(std::string_view name) {
   const std::string wanted = name == "brick" ? "brick_running" : std::string(name);
-  for (const BuiltinRecipe& recipe : library()) {
+  for (const Recipe& recipe : library()) {
     if (recipe.about.name == wanted) return recipe;
   }
   const std::vector<std::string> names = builtin_names();
@@ -67,33 +52,31 @@ Result<BuiltinRecipe> find_builtin(std::string_view name) {
                           fmt::join(names, ", ")));
 }
 
-Result<std::optional<BuiltinRecipe>> recipe_named(const std::string& texture) {
+Result<std::optional<Recipe>> find_recipe(const std::string& texture) {
   std::error_code ignored;
   const std::filesystem::path path(texture);
   if (path.extension() == ".toml") {
-    const auto bytes = read_file(path, 1u << 20);
-    if (!bytes) return tl::unexpected(bytes.error());
-    return parse_builtin({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, texture);
+    const auto text = read_text(path, 1u << 20);
+    if (!text) return tl::unexpected(text.error());
+    return parse_recipe(*text, texture);
   }
   if (std::filesystem::exists(path, ignored) || path.has_parent_path() || path.has_extension())
     return std::nullopt;
   return find_builtin(texture);
 }
 
-// From a recipe to images: depth and colour texel by texel, then normals by central differences of the depth.
-
 namespace {
 
-// The mean over a texel of `fine` x `fine` samples. A small image takes several, so that it shows what a
-// large one shows and not what its texel centres happen to hit.
-Sample texel(const Painter& painter, int x, int y, int size, int fine) {
-  Sample sum;
+// The mean over a texel of `fine` x `fine` samples. A small image takes several per texel, so that it matches
+// a downsampled large image instead of aliasing.
+PaintedPoint texel(const Painter& painter, int x, int y, int size, int fine) {
+  PaintedPoint sum;
   const double share = 1.0 / (fine * fine);
   for (int b = 0; b < fine; ++b) {
     for (int a = 0; a < fine; ++a) {
       const double u = (x + (a + 0.5) / fine) / size;
       const double v = 1 - (y + (b + 0.5) / fine) / size;  // row 0 = top
-      const Sample one = painter.at(u, v);
+      const PaintedPoint one = painter.at(u, v);
       sum.depth += share * one.depth;
       sum.colour += share * one.colour;
     }
@@ -119,16 +102,16 @@ void write_relief(Depths& depths, double depth_fraction, Image16& relief) {
       const double dz_dv = -(depths.at(x, y - 1) - depths.at(x, y + 1)) * slope;
       const Vec3 normal = Vec3(-dz_du, -dz_dv, 1).normalized();
       for (int c = 0; c < 3; ++c) {
-        relief.at(x, y, c) = static_cast<std::uint16_t>(std::lround((0.5 * normal[c] + 0.5) * 65535));
+        relief.at(x, y, c) = encode_component(normal[c]);
       }
-      relief.at(x, y, 3) = static_cast<std::uint16_t>(std::lround(depths.at(x, y) * 65535));
+      relief.at(x, y, 3) = std::uint16_t(std::lround(depths.at(x, y) * 65535));
     }
   }
 }
 
 }  // namespace
 
-TextureImages make_texture(const BuiltinRecipe& recipe, int size) {
+TextureImages make_texture(const Recipe& recipe, int size) {
   assert(size >= 64 && size <= 8192);
   constexpr int full_detail = 512;
   const int fine = (full_detail + size - 1) / size;
@@ -137,15 +120,27 @@ TextureImages make_texture(const BuiltinRecipe& recipe, int size) {
   Depths depths{size};
   for (int y = 0; y < size; ++y) {
     for (int x = 0; x < size; ++x) {
-      const Sample sample = texel(painter, x, y, size, fine);
+      const PaintedPoint sample = texel(painter, x, y, size, fine);
       depths.at(x, y) = sample.depth;
       for (int c = 0; c < 3; ++c) {
-        out.colour.at(x, y, c) = static_cast<std::uint8_t>(std::lround(sample.colour[c] * 255));
+        out.colour.at(x, y, c) = std::uint8_t(std::lround(sample.colour[c] * 255));
       }
     }
   }
   write_relief(depths, recipe.about.depth_fraction, out.relief);
   return out;
+}
+
+TextureImages make_brick(const BrickRecipe& brick) {
+  Recipe recipe = find_builtin("brick_running").value();
+  recipe.seed = brick.seed;
+  recipe.about.depth_fraction = brick.depth_fraction;
+  recipe.layout.columns = brick.columns;
+  recipe.layout.rows = brick.rows;
+  recipe.layout.joint = brick.joint;
+  recipe.layout.corner = brick.corner_radius;
+  recipe.profile.bevel = brick.bevel;
+  return make_texture(recipe, brick.size);
 }
 
 }  // namespace intaglio::surface

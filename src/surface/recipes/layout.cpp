@@ -12,34 +12,7 @@ namespace intaglio::surface {
 
 namespace {
 
-// No joints at all: one endless piece.
-class Sheet : public Cells {
- public:
-  Spot at(double u, double v) const override { return {0, 0, 1, Vec2(u, v), Vec2(endless, endless), 1}; }
-};
-
-std::unique_ptr<Cells> make_cells(const LayoutRecipe& recipe, std::uint64_t seed) {
-  switch (recipe.pattern) {
-    case Pattern::sheet:
-      break;
-    case Pattern::bond:
-      return make_bond(recipe, seed);
-    case Pattern::herringbone:
-      return make_herringbone(recipe, seed);
-    case Pattern::voronoi:
-      return make_voronoi(recipe, seed);
-    case Pattern::scatter:
-      return make_scatter(recipe, seed);
-    case Pattern::lugs:
-      return make_lugs(recipe, seed);
-    case Pattern::weave:
-      return make_weave(recipe, seed);
-  }
-  return std::make_unique<Sheet>();
-}
-
-}  // namespace
-
+// Signed distance into a rectangle of half extents `half`, shrunk by half a joint and rounded at the corners.
 double inside_box(const Vec2& local, const Vec2& half, const LayoutRecipe& recipe) {
   const double qx = std::abs(local.x()) - (half.x() - 0.5 * recipe.joint - recipe.corner);
   const double qy = std::abs(local.y()) - (half.y() - 0.5 * recipe.joint - recipe.corner);
@@ -47,39 +20,20 @@ double inside_box(const Vec2& local, const Vec2& half, const LayoutRecipe& recip
   return recipe.corner - past_corner - std::min(std::max(qx, qy), 0.0);
 }
 
-Layout::Layout(const LayoutRecipe& r, std::uint64_t seed) : cells_(make_cells(r, seed)) {
-  if (r.warp > 0) {
-    warp_ = Bend{r.warp,
-                 {r.warp_frequency, r.warp_frequency, 3, 0.5, seed + 100},
-                 {r.warp_frequency, r.warp_frequency, 3, 0.5, seed + 200}};
+// No joints: one unbounded piece.
+class Sheet : public PiecePattern {
+ public:
+  PiecePoint at(double u, double v) const override {
+    return {0, 0, 1, Vec2(u, v), Vec2(unbounded, unbounded), 1};
   }
-  if (r.chip > 0) {
-    chip_ = Bend{r.chip,
-                 {r.chip_frequency, r.chip_frequency, 2, 0.6, seed + 300},
-                 {r.chip_frequency, r.chip_frequency, 2, 0.6, seed + 400}};
-  }
-}
+};
 
-Spot Layout::at(double u, double v) const {
-  double du = 0;
-  double dv = 0;
-  for (const auto* bend : {&warp_, &chip_}) {
-    if (!*bend) continue;
-    du += (*bend)->reach * (*bend)->u(u, v);
-    dv += (*bend)->reach * (*bend)->v(u, v);
-  }
-  return cells_->at(u + du, v + dv);
-}
-
-// Rows of rectangles: bricks, tiles, planks, ashlar; without columns, endless strips.
-
-namespace {
-
-class Bond : public Cells {
+// Rows of rectangles: bricks, tiles, planks, ashlar; with columns = 0, unbounded strips.
+class Bond : public PiecePattern {
  public:
   Bond(const LayoutRecipe& recipe, std::uint64_t seed) : r_(recipe), seed_(seed) {}
 
-  Spot at(double u, double v) const override {
+  PiecePoint at(double u, double v) const override {
     const double y = v * r_.rows;
     const int j = cell(y, [&](int k) { return row_border(k); });
     const int row = wrapped(j, r_.rows);
@@ -99,10 +53,10 @@ class Bond : public Cells {
     double low_u, high_u, low_v, high_v;
   };
 
-  // The k with border(k) <= x < border(k + 1); borders stray less than half a cell.
+  // The k with border(k) <= x < border(k + 1); borders are displaced by less than half a cell.
   template <class Border>
   static int cell(double x, const Border& border) {
-    const int k = static_cast<int>(std::floor(x));
+    const int k = int(std::floor(x));
     if (x < border(k)) return k - 1;
     return x < border(k + 1) ? k : k + 1;
   }
@@ -116,14 +70,14 @@ class Bond : public Cells {
     return k + r_.uneven.x() * (lattice_hash(wrapped(k, r_.columns), row, seed_ + 11) - 0.5);
   }
 
-  Spot strip(double u, double v, int row, double low_v, double high_v) const {
-    const Vec2 half(endless, 0.5 * (high_v - low_v));
+  PiecePoint strip(double u, double v, int row, double low_v, double high_v) const {
+    const Vec2 half(unbounded, 0.5 * (high_v - low_v));
     const Vec2 local(u, v - 0.5 * (low_v + high_v));
     return {0, row, inside_box(local, half, r_), local, half, 1};
   }
 
-  // The piece, or that part of it that holds the point when chance cuts it across its longer side.
-  Spot cut(double u, double v, int column, int row, Box box) const {
+  // The piece, or the part of it that contains the point if it is randomly split across its longer side.
+  PiecePoint cut(double u, double v, int column, int row, Box box) const {
     if (r_.split > 0 && lattice_hash(column, row, seed_ + 13) < r_.split) {
       const double share = 0.36 + 0.28 * lattice_hash(column, row, seed_ + 14);
       const bool along_u = box.high_u - box.low_u > box.high_v - box.low_v;
@@ -132,7 +86,7 @@ class Bond : public Cells {
       const double middle = low + share * (high - low);
       const bool upper = (along_u ? u : v) >= middle;
       (upper ? low : high) = middle;
-      if (upper) column += r_.columns;  // a name of its own
+      if (upper) column += r_.columns;  // gives the second part its own index
     }
     const Vec2 half(0.5 * (box.high_u - box.low_u), 0.5 * (box.high_v - box.low_v));
     const Vec2 local(u - 0.5 * (box.low_u + box.high_u), v - 0.5 * (box.low_v + box.high_v));
@@ -143,29 +97,20 @@ class Bond : public Cells {
   std::uint64_t seed_;
 };
 
-}  // namespace
-
-std::unique_ptr<Cells> make_bond(const LayoutRecipe& recipe, std::uint64_t seed) {
-  return std::make_unique<Bond>(recipe, seed);
-}
-
-// Parquet in herringbone: pieces of 1 x `length` cells, lying and standing in turn.
+// Herringbone parquet: pieces of 1 x `length` cells, alternately horizontal and vertical.
 //
-// In cell (i, j) let k = (i - j) mod 2 length. Where k < length a lying piece began k cells to the left;
-// elsewhere a standing one began 2 length - 1 - k cells below. It repeats when the cells a side are a
+// In cell (i, j) let k = (i - j) mod 2 length. Where k < length, a horizontal piece began k cells to the
+// left; elsewhere a vertical one began 2 length - 1 - k cells below. It repeats when the cells per side are a
 // multiple of 2 length.
-
-namespace {
-
-class Herringbone : public Cells {
+class Herringbone : public PiecePattern {
  public:
   explicit Herringbone(const LayoutRecipe& recipe) : r_(recipe) {}
 
-  Spot at(double u, double v) const override {
+  PiecePoint at(double u, double v) const override {
     const int n = r_.columns;
     const int length = r_.length;
-    const int i = static_cast<int>(std::floor(u * n));
-    const int j = static_cast<int>(std::floor(v * n));
+    const int i = int(std::floor(u * n));
+    const int j = int(std::floor(v * n));
     const int k = wrapped(i - j, 2 * length);
     const Vec2 half(0.5 * length / n, 0.5 / n);
     const bool lying = k < length;
@@ -181,18 +126,9 @@ class Herringbone : public Cells {
   LayoutRecipe r_;
 };
 
-}  // namespace
-
-std::unique_ptr<Cells> make_herringbone(const LayoutRecipe& recipe, std::uint64_t) {
-  return std::make_unique<Herringbone>(recipe);
-}
-
 // Voronoi cells about the sites of a jittered lattice: flagstones; without jitter and with every other row
 // shifted, hexagons.
-
-namespace {
-
-class Voronoi : public Cells {
+class Voronoi : public PiecePattern {
  public:
   Voronoi(const LayoutRecipe& recipe, std::uint64_t seed) : r_(recipe) {
     for (int j = 0; j < r_.rows; ++j) {
@@ -205,12 +141,12 @@ class Voronoi : public Cells {
     }
   }
 
-  Spot at(double u, double v) const override {
+  PiecePoint at(double u, double v) const override {
     const Vec2 p(u, v);
     int nearest_i = 0, nearest_j = 0;
     double least = std::numeric_limits<double>::max();
-    const int i0 = static_cast<int>(std::floor(u * r_.columns));
-    const int j0 = static_cast<int>(std::floor(v * r_.rows));
+    const int i0 = int(std::floor(u * r_.columns));
+    const int j0 = int(std::floor(v * r_.rows));
     for (int j = j0 - 2; j <= j0 + 2; ++j) {
       for (int i = i0 - 2; i <= i0 + 2; ++i) {
         const double distance = (site(i, j) - p).squaredNorm();
@@ -224,7 +160,7 @@ class Voronoi : public Cells {
   }
 
  private:
-  // Of the lattice cell (i, j), any integers.
+  // Site of lattice cell (i, j); any integers.
   Vec2 site(int i, int j) const {
     const int column = wrapped(i, r_.columns);
     const int row = wrapped(j, r_.rows);
@@ -255,21 +191,12 @@ class Voronoi : public Cells {
   std::vector<Vec2> sites_;
 };
 
-}  // namespace
-
-std::unique_ptr<Cells> make_voronoi(const LayoutRecipe& recipe, std::uint64_t seed) {
-  return std::make_unique<Voronoi>(recipe, seed);
-}
-
-// Pebbles: ellipsoids of many sizes thrown on a bed, the large ones first, each where it finds room.
-
-namespace {
-
+// Pebbles: ellipsoids of many sizes, placed largest first at random free positions.
 struct Stone {
   Vec2 middle;
   Vec2 half;         // of its axes, the longer first
   Vec2 axis;         // unit, of the longer one
-  double top, dome;  // how high it rises, and by how much its edge is lower
+  double top, dome;  // height of its top, and of its top above its edge
 
   // Along its axes, from its middle; tile of side 1.
   Vec2 local(const Vec2& p) const {
@@ -278,24 +205,24 @@ struct Stone {
   }
 };
 
-class Scatter : public Cells {
+class Scatter : public PiecePattern {
  public:
   Scatter(const LayoutRecipe& recipe, std::uint64_t seed) {
-    throw_stones(recipe, seed);
-    for (std::size_t s = 0; s < stones_.size(); ++s) put_in_bins(static_cast<int>(s));
+    place_stones(recipe, seed);
+    for (std::size_t s = 0; s < stones_.size(); ++s) put_in_bins(int(s));
   }
 
-  Spot at(double u, double v) const override {
+  PiecePoint at(double u, double v) const override {
     const Vec2 p(u, v);
-    Spot best{0, 0, -1, Vec2::Zero(), Vec2(1, 1), 0};
+    PiecePoint best{0, 0, -1, Vec2::Zero(), Vec2(1, 1), 0};
     bool covered = false;
-    for (const int s : bins_[bin(u) + bins_a_side * bin(v)]) {
+    for (const int s : bins_.at(u, v)) {
       const Stone& stone = stones_[std::size_t(s)];
       const Vec2 local = stone.local(p);
       const double rho = local.cwiseQuotient(stone.half).norm();
       const double inside = (1 - rho) * stone.half.y();
       const double rise = rho < 1 ? stone.top - stone.dome * (1 - std::sqrt(1 - rho * rho)) : 0;
-      // The highest stone is seen; off all stones, the nearest says how far.
+      // The highest stone wins; outside all stones, the nearest gives the distance.
       const bool better = rho < 1 ? !covered || rise > best.rise : !covered && inside > best.inside;
       if (!better) continue;
       covered = covered || rho < 1;
@@ -305,14 +232,9 @@ class Scatter : public Cells {
   }
 
  private:
-  static constexpr int bins_a_side = 32;
-  static constexpr int tries = 60;  // for a place for one stone
+  static constexpr int attempts = 60;  // to place a stone
 
-  static std::size_t bin(double x) {
-    return static_cast<std::size_t>(wrapped(static_cast<int>(std::floor(x * bins_a_side)), bins_a_side));
-  }
-
-  void throw_stones(const LayoutRecipe& recipe, std::uint64_t seed) {
+  void place_stones(const LayoutRecipe& recipe, std::uint64_t seed) {
     Random random(seed + 30);
     for (int s = 0; s < recipe.stones; ++s) {
       // Few large ones, many small.
@@ -325,8 +247,8 @@ class Scatter : public Cells {
       // Half buried: all rest in the same bed, large ones rise higher.
       stone.dome = 0.90 * stone.half.y() / recipe.radius.y();
       stone.top = std::min(1.0, stone.dome + random.uniform(0.02, 0.16));
-      for (int t = 0; t < tries; ++t) {
-        const double v = random.uniform(), u = random.uniform();  // in one order on every compiler
+      for (int t = 0; t < attempts; ++t) {
+        const double v = random.uniform(), u = random.uniform();  // sequenced, unlike function arguments
         stone.middle = Vec2(u, v);
         if (!has_room(stone)) continue;
         stones_.push_back(stone);
@@ -335,54 +257,45 @@ class Scatter : public Cells {
     }
   }
 
-  // Ellipses taken as touching where each one's radius towards the other meets; pebbles rest a little on
-  // others.
+  // Approximate: two ellipses touch where their radii along the centre line meet; 0.93 allows slight overlap.
   bool has_room(const Stone& stone) const {
     return std::all_of(stones_.begin(), stones_.end(), [&](const Stone& other) {
       const Vec2 there = stone.local(other.middle);
       const double distance = there.norm();
       if (distance > stone.half.x() + other.half.x()) return true;
-      const double own = distance / std::max(1e-9, there.cwiseQuotient(stone.half).norm());
-      const double its =
+      const double own_radius = distance / std::max(1e-9, there.cwiseQuotient(stone.half).norm());
+      const double other_radius =
           distance / std::max(1e-9, other.local(stone.middle).cwiseQuotient(other.half).norm());
-      return distance > 0.93 * (own + its);
+      return distance > 0.93 * (own_radius + other_radius);
     });
   }
 
   void put_in_bins(int s) {
     const Stone& stone = stones_[std::size_t(s)];
-    // A margin of half a bin, so that points just off a stone know how far it is.
-    const double reach = stone.half.x() + 0.5 / bins_a_side;
-    const auto first = [](double x) { return static_cast<int>(std::floor(x * bins_a_side)); };
-    for (int j = first(stone.middle.y() - reach); j <= first(stone.middle.y() + reach); ++j) {
-      for (int i = first(stone.middle.x() - reach); i <= first(stone.middle.x() + reach); ++i) {
-        bins_[std::size_t(wrapped(i, bins_a_side) + bins_a_side * wrapped(j, bins_a_side))].push_back(s);
-      }
+    // A margin of half a bin, so that points next to a stone find it.
+    const double reach = stone.half.x() + 0.5 / bins_.per_side();
+    const int i0 = bins_.coordinate(stone.middle.x() - reach),
+              i1 = bins_.coordinate(stone.middle.x() + reach);
+    const int j0 = bins_.coordinate(stone.middle.y() - reach),
+              j1 = bins_.coordinate(stone.middle.y() + reach);
+    for (int j = j0; j <= j1; ++j) {
+      for (int i = i0; i <= i1; ++i) bins_.at(i, j).push_back(s);
     }
   }
 
   std::vector<Stone> stones_;
-  std::vector<std::vector<int>> bins_ = std::vector<std::vector<int>>(bins_a_side * bins_a_side);
+  Bins bins_{32};
 };
 
-}  // namespace
-
-std::unique_ptr<Cells> make_scatter(const LayoutRecipe& recipe, std::uint64_t seed) {
-  return std::make_unique<Scatter>(recipe, seed);
-}
-
-// The studs of tread plate: lenses in a lattice, turned by 45 degrees one way and the other in turn. As wide
-// as they are long they are round.
-
-namespace {
-
-class Lugs : public Cells {
+// The studs of tread plate: lenses in a lattice, alternately turned by +45 and -45 degrees; round if width
+// equals length.
+class Lugs : public PiecePattern {
  public:
   explicit Lugs(const LayoutRecipe& recipe) : r_(recipe) {}
 
-  Spot at(double u, double v) const override {
-    const int i = static_cast<int>(std::floor(u * r_.columns));
-    const int j = static_cast<int>(std::floor(v * r_.rows));
+  PiecePoint at(double u, double v) const override {
+    const int i = int(std::floor(u * r_.columns));
+    const int j = int(std::floor(v * r_.rows));
     const Vec2 d(u - (i + 0.5) / r_.columns, v - (j + 0.5) / r_.rows);
     const double turn = ((i + j) & 1) != 0 ? 1 : -1;
     const Vec2 local = Vec2(d.x() + turn * d.y(), d.y() - turn * d.x()) / std::numbers::sqrt2;
@@ -391,7 +304,9 @@ class Lugs : public Cells {
   }
 
  private:
-  // Signed distance into the lens that two equal circles share.
+  // Signed distance into the lens in which two equal circles overlap. A circle of radius R through both tips
+  // whose middle is `offset` below the lens's satisfies R = offset + b and R^2 = offset^2 + l^2 with the half
+  // width b and the half length l, so R = (l^2 + b^2) / 2b.
   double inside(const Vec2& local) const {
     const double half_width = r_.radius.x();
     const double half_length = r_.radius.y();
@@ -406,51 +321,81 @@ class Lugs : public Cells {
   LayoutRecipe r_;
 };
 
-}  // namespace
-
-std::unique_ptr<Cells> make_lugs(const LayoutRecipe& recipe, std::uint64_t) {
-  return std::make_unique<Lugs>(recipe);
-}
-
-// Woven wire: round wires that go over and under each other in turn.
-
-namespace {
-
-class Weave : public Cells {
+// Woven wire: round wires alternating over and under.
+class Weave : public PiecePattern {
  public:
   explicit Weave(const LayoutRecipe& recipe)
       : r_(recipe), radius_(0.5 * recipe.wire / std::max(recipe.columns, recipe.rows)) {}
 
-  Spot at(double u, double v) const override {
-    const Spot standing = wire(u * r_.columns, v * r_.rows, r_.columns, v, 0);
-    const Spot lying = wire(v * r_.rows, u * r_.columns, r_.rows, u, 1);
+  PiecePoint at(double u, double v) const override {
+    const PiecePoint standing = wire(u * r_.columns, v * r_.rows, r_.columns, v, 0);
+    const PiecePoint lying = wire(v * r_.rows, u * r_.columns, r_.rows, u, 1);
     if (standing.inside <= 0 || lying.inside <= 0) return standing.inside > lying.inside ? standing : lying;
     return standing.rise > lying.rise ? standing : lying;
   }
 
  private:
-  // The wire of a family nearest to a point: `across` and `along` count wires of this family and of the
+  // The nearest wire of a family: `across` and `along` are coordinates in wires of this family and of the
   // other.
-  Spot wire(double across, double along, int wires, double along_side, int family) const {
-    const int k = static_cast<int>(std::floor(across));
+  PiecePoint wire(double across, double along, int wires, double along_side, int family) const {
+    const int k = int(std::floor(across));
     const double off = (across - k - 0.5) / wires;
     const double inside = radius_ - std::abs(off);
     const double over = ((k + family) & 1) != 0 ? -1 : 1;
-    // From -1 to 2 radii: the middle swings by one radius, the round wire stands one above.
+    // From -1 to 2 radii: the middle swings by one radius, and the round wire rises one above it.
     const double swing = over * elementary::cos(std::numbers::pi * (along - 0.5));
     const double height = swing + std::sqrt(std::max(0.0, 1 - off * off / (radius_ * radius_)));
-    return {wrapped(k, wires),      family,          inside, Vec2(along_side, off),
-            Vec2(endless, radius_), (height + 1) / 3};
+    return {wrapped(k, wires),        family,          inside, Vec2(along_side, off),
+            Vec2(unbounded, radius_), (height + 1) / 3};
   }
 
   LayoutRecipe r_;
   double radius_;
 };
 
+std::unique_ptr<PiecePattern> make_pattern(const LayoutRecipe& recipe, std::uint64_t seed) {
+  switch (recipe.pattern) {
+    case Pattern::sheet:
+      break;
+    case Pattern::bond:
+      return std::make_unique<Bond>(recipe, seed);
+    case Pattern::herringbone:
+      return std::make_unique<Herringbone>(recipe);
+    case Pattern::voronoi:
+      return std::make_unique<Voronoi>(recipe, seed);
+    case Pattern::scatter:
+      return std::make_unique<Scatter>(recipe, seed);
+    case Pattern::lugs:
+      return std::make_unique<Lugs>(recipe);
+    case Pattern::weave:
+      return std::make_unique<Weave>(recipe);
+  }
+  return std::make_unique<Sheet>();
+}
+
 }  // namespace
 
-std::unique_ptr<Cells> make_weave(const LayoutRecipe& recipe, std::uint64_t) {
-  return std::make_unique<Weave>(recipe);
+Layout::Layout(const LayoutRecipe& r, std::uint64_t seed) : pattern_(make_pattern(r, seed)) {
+  if (r.warp > 0) {
+    warp_ = Distortion{r.warp,
+                       {r.warp_frequency, r.warp_frequency, 3, 0.5, seed + 100},
+                       {r.warp_frequency, r.warp_frequency, 3, 0.5, seed + 200}};
+  }
+  if (r.chip > 0) {
+    chip_ = Distortion{r.chip,
+                       {r.chip_frequency, r.chip_frequency, 2, 0.6, seed + 300},
+                       {r.chip_frequency, r.chip_frequency, 2, 0.6, seed + 400}};
+  }
+}
+
+PiecePoint Layout::at(double u, double v) const {
+  double du = 0, dv = 0;
+  for (const auto* distortion : {&warp_, &chip_}) {
+    if (!*distortion) continue;
+    du += (*distortion)->amplitude * (*distortion)->u(u, v);
+    dv += (*distortion)->amplitude * (*distortion)->v(u, v);
+  }
+  return pattern_->at(u + du, v + dv);
 }
 
 }  // namespace intaglio::surface

@@ -1,7 +1,7 @@
-// Where the pieces of a built-in material lie: bricks, planks, stones, studs, wires.
+// The layout of a built-in material's pieces: bricks, planks, stones, studs, wires.
 //
-// A layout answers one question: which piece is at (u, v), and how does the point lie in it? Everything
-// repeats with period 1. Each pattern is one file; all are made by `make_cells`.
+// A layout answers one question: which piece contains (u, v), and where in the piece is it? Everything
+// repeats with period 1.
 #pragma once
 
 #include <cmath>
@@ -9,6 +9,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "intaglio/vec.h"
 #include "surface/recipes/noise.h"
@@ -16,57 +17,51 @@
 
 namespace intaglio::surface {
 
-constexpr double endless = std::numeric_limits<double>::infinity();
+constexpr double unbounded = std::numeric_limits<double>::infinity();
 
-// One point of the tile, described. Lengths are fractions of the tile's side.
-struct Spot {
-  int i, j;         // which piece: what its chances hang on
+// A point of the tile and the piece it is on or next to. Lengths are fractions of the tile's side.
+struct PiecePoint {
+  int i, j;         // index of the piece, which seeds its random values
   double inside;    // signed distance to the outline of the piece's foot, > 0 on the piece
   Vec2 local;       // from the piece's middle, x along its longer axis
-  Vec2 half;        // half its extent, along the same axes; `endless` where it goes around the tile
-  double rise = 1;  // of the layout's own relief, 0..1, 1 = highest
+  Vec2 half;        // half its extent, along the same axes; `unbounded` where it goes around the tile
+  double rise = 1;  // of the pattern's own relief, 0..1, 1 = highest
 
-  bool same_piece(const Spot& other) const { return i == other.i && j == other.j; }
+  bool same_piece(const PiecePoint& other) const { return i == other.i && j == other.j; }
 };
 
 // A pattern with straight outlines.
-class Cells {
+class PiecePattern {
  public:
-  virtual ~Cells() = default;
-  virtual Spot at(double u, double v) const = 0;
+  virtual ~PiecePattern() = default;
+  virtual PiecePoint at(double u, double v) const = 0;
 };
 
-std::unique_ptr<Cells> make_bond(const LayoutRecipe& recipe, std::uint64_t seed);
-std::unique_ptr<Cells> make_herringbone(const LayoutRecipe& recipe, std::uint64_t seed);
-std::unique_ptr<Cells> make_voronoi(const LayoutRecipe& recipe, std::uint64_t seed);
-std::unique_ptr<Cells> make_scatter(const LayoutRecipe& recipe, std::uint64_t seed);
-std::unique_ptr<Cells> make_lugs(const LayoutRecipe& recipe, std::uint64_t seed);
-std::unique_ptr<Cells> make_weave(const LayoutRecipe& recipe, std::uint64_t seed);
-
-// The pattern with its outlines bent by a slow noise, as laid by hand, and chipped by a fine one.
+// The pattern with its outlines distorted by low-frequency noise (a hand-laid look) and chipped by
+// high-frequency noise.
 class Layout {
  public:
   Layout(const LayoutRecipe& recipe, std::uint64_t seed);
-  Spot at(double u, double v) const;
+  PiecePoint at(double u, double v) const;
 
  private:
-  struct Bend {
-    double reach;
+  struct Distortion {
+    double amplitude;
     Fractal u, v;
   };
 
-  std::unique_ptr<Cells> cells_;
-  std::optional<Bend> warp_, chip_;
+  std::unique_ptr<PiecePattern> pattern_;
+  std::optional<Distortion> warp_, chip_;
 };
 
 inline int wrapped(int i, int n) {
-  if (static_cast<unsigned>(i) < static_cast<unsigned>(n)) return i;  // nearly always, and a division is slow
+  if (unsigned(i) < unsigned(n)) return i;  // nearly always true, and a division is slow
   return ((i % n) + n) % n;
 }
 
 // The nearest image of a difference on a tile of side 1: in -0.5..0.5.
 inline double nearest_image(double difference) {
-  return difference - static_cast<int>(difference + std::copysign(0.5, difference));
+  return difference - int(difference + std::copysign(0.5, difference));
 }
 
 inline double smoothstep(double low, double high, double x) {
@@ -74,7 +69,25 @@ inline double smoothstep(double low, double high, double x) {
   return t * t * (3 - 2 * t);
 }
 
-// Signed distance into a rectangle of half extents `half`, shrunk by half a joint and rounded at the corners.
-double inside_box(const Vec2& local, const Vec2& half, const LayoutRecipe& recipe);
+// A square tile divided into bins that list the things (stones, scratches) near them.
+class Bins {
+ public:
+  explicit Bins(int per_side) : per_side_(per_side), bins_(std::size_t(per_side) * std::size_t(per_side)) {}
+
+  // The bin of bin coordinates (i, j), any integers, or of a point.
+  std::vector<int>& at(int i, int j) {
+    return bins_[std::size_t(wrapped(i, per_side_) + per_side_ * wrapped(j, per_side_))];
+  }
+  const std::vector<int>& at(double u, double v) const {
+    return bins_[std::size_t(wrapped(coordinate(u), per_side_) +
+                             per_side_ * wrapped(coordinate(v), per_side_))];
+  }
+  int coordinate(double x) const { return int(std::floor(x * per_side_)); }
+  int per_side() const { return per_side_; }
+
+ private:
+  int per_side_;
+  std::vector<std::vector<int>> bins_;
+};
 
 }  // namespace intaglio::surface

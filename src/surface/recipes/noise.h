@@ -1,4 +1,4 @@
-// Seamless gradient noise (Perlin 2002's quintic fade, hashed gradients), for built-in materials.
+// Seamless random fields for built-in materials: fractal gradient noise, and hashes of lattice points.
 #pragma once
 
 #include <cstdint>
@@ -6,20 +6,15 @@
 
 namespace intaglio::surface {
 
-// Noise in about -1..1 at (u, v) in 0..1, repeating with period 1, with `frequency` lattice cells a side.
-double periodic_noise(double u, double v, int frequency_u, int frequency_v, std::uint64_t seed);
-
-// Sum of `octaves` noises, each of twice the frequency and `gain` times the level of the last; about -1..1.
-double periodic_fractal(double u, double v, int frequency, int octaves, double gain, std::uint64_t seed);
-
 // A number in 0..1 that depends on (i, j, seed) only.
 double lattice_hash(int i, int j, std::uint64_t seed);
 
-// periodic_fractal of noise.h with its gradients kept: the same values, ten times as fast. Frequencies may
-// differ along u and v.
-
+// A sum of gradient noises (Perlin 2002's quintic fade, hashed gradients), each of twice the frequency and
+// `gain` times the level of the last. Gradients are precomputed, which is about ten times faster than
+// hashing.
 class Fractal {
  public:
+  // `frequency`: lattice cells per side.
   Fractal(int frequency_u, int frequency_v, int octaves, double gain, std::uint64_t seed);
 
   // About -1..1, with period 1 in u and v.

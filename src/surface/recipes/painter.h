@@ -1,5 +1,7 @@
-// The details that a recipe lays over its pieces: each a value at a point, in 0..1 (noise and steps aside,
-// which swing about 0), from which a layer takes depth and colour.
+// Depth and colour of a recipe at any point: what make_texture samples. Layers of detail on a layout of
+// pieces.
+//
+// Everything repeats with period 1 in u and v. Immutable; any thread.
 #pragma once
 
 #include <cstdint>
@@ -12,43 +14,38 @@
 
 namespace intaglio::surface {
 
-// Where a detail is asked: at (u, v) of the tile, in the piece of `spot`. It follows x and y: those of the
-// tile again, or the piece's own axes from a start by chance.
-struct Place {
+// Where a detail is evaluated: at (u, v) of the tile, on the piece of `spot`. The detail follows x and y:
+// those of the tile again, or the piece's own axes with a random offset.
+struct DetailPoint {
   double u, v;
   double x, y;
-  const Spot& spot;
+  const PiecePoint& spot;
 };
 
+// A detail: a value at a point, in 0..1 (for noise and steps about 0), from which a layer derives depth and
+// colour.
 class DetailField {
  public:
   virtual ~DetailField() = default;
-  virtual double at(const Place& place) const = 0;
+  virtual double at(const DetailPoint& place) const = 0;
 };
 
-// `seed` is the layer's own. Grain asks the layout on which pieces its knots lie.
+// `seed` is the layer's own. Grain uses the layout to assign knots to pieces.
 std::unique_ptr<DetailField> make_detail(const LayerRecipe& layer, const Layout& layout, std::uint64_t seed);
 
-std::unique_ptr<DetailField> make_grain(const LayerRecipe& layer, const Layout& layout, std::uint64_t seed);
-std::unique_ptr<DetailField> make_scratches(const LayerRecipe& layer, std::uint64_t seed);
-
-// Depth and colour of a recipe at any point: what make_texture samples.
-//
-// Everything repeats with period 1 in u and v. Immutable; any thread.
-
-struct Sample {
+struct PaintedPoint {
   double depth = 0;            // 0..1, 0 = top
   Vec3 colour = Vec3::Zero();  // sRGB, 0..1
 };
 
 class Painter {
  public:
-  explicit Painter(const BuiltinRecipe& recipe);
-  Sample at(double u, double v) const;
+  explicit Painter(const Recipe& recipe);
+  PaintedPoint at(double u, double v) const;
 
  private:
-  // What layers add up to on a piece or in a joint.
-  struct Coat {
+  // Accumulated layers on a piece or in a joint.
+  struct LayerSum {
     double depth = 0;
     double shade = 1;
     Vec3 colour;
@@ -58,13 +55,13 @@ class Painter {
     std::unique_ptr<DetailField> detail;
   };
 
-  double chance(const Spot& spot, std::uint64_t k) const;
-  Coat coat(On on, double u, double v, const Spot& spot, const Vec3& colour) const;
-  Sample in_joint(double u, double v, const Spot& spot) const;
-  Sample on_face(double u, double v, const Spot& spot) const;
-  Vec3 piece_colour(const Spot& spot) const;
+  double random_value(const PiecePoint& spot, std::uint64_t k) const;
+  LayerSum sum_layers(AppliesTo on, double u, double v, const PiecePoint& spot, const Vec3& colour) const;
+  PaintedPoint in_joint(double u, double v, const PiecePoint& spot) const;
+  PaintedPoint on_face(double u, double v, const PiecePoint& spot) const;
+  Vec3 piece_colour(const PiecePoint& spot) const;
 
-  BuiltinRecipe r_;
+  Recipe r_;
   Layout layout_;
   std::vector<Layer> layers_;
 };

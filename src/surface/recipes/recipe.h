@@ -16,19 +16,19 @@ namespace intaglio::surface {
 
 enum class Study { none, identification, comparison };  // §1.4.2.1, §1.4.3.1
 
-// What the senses besides the images need to know.
+// Data for the senses besides the images.
 struct BuiltinMaterial {
   std::string name, title;
   Study study = Study::none;
   int study_number = 0;          // the paper's number of the material in that study
-  Material material;             // what it sounds like, and its micro roughness
+  Material material;             // for sound and dynamics, with its micro roughness
   double depth_fraction = 0.02;  // suggested full depth over the side of the tile
   double roughness = 0.55;       // suggested for the renderer: 0 = mirror, 1 = chalk
 };
 
 enum class Pattern { sheet, bond, herringbone, voronoi, scatter, lugs, weave };
 
-// Where the pieces lie.
+// The pattern of the pieces.
 struct LayoutRecipe {
   Pattern pattern = Pattern::sheet;
   int columns = 4;
@@ -36,18 +36,18 @@ struct LayoutRecipe {
   double joint = 0.018;        // width of the joint's floor
   double corner = 0.014;       // radius of the pieces' corners
   double shift = 0;            // of every other row, in columns
-  double stagger = 0;          // of every row by chance, in columns
-  Vec2 uneven = Vec2::Zero();  // how far joints stray by chance, in columns and rows
-  double split = 0;            // share of the bond's pieces that are cut in two
+  double stagger = 0;          // random shift of every row, in columns
+  Vec2 uneven = Vec2::Zero();  // random displacement of joints, in columns and rows
+  double split = 0;            // fraction of the bond's pieces that are split in two
   double jitter = 0.8;         // of Voronoi sites and lugs, in cells
   int length = 4;              // of a herringbone's piece, in widths
   int stones = 400;            // of a scatter
-  Vec2 radius =
-      Vec2(0.015, 0.055);  // of the scatter's smallest and largest stone; of a lug: half width, half length
-  double wire = 0.6;       // width of a weave's wires over their spacing
-  double warp = 0;         // how far a slow noise bends outlines ...
+  // Of the scatter's smallest and largest stone; of a lug, half width and half length.
+  Vec2 radius = Vec2(0.015, 0.055);
+  double wire = 0.6;  // width of a weave's wires over their spacing
+  double warp = 0;    // amplitude of the low-frequency distortion of outlines
   int warp_frequency = 9;
-  double chip = 0;  // ... and a fine one chips them
+  double chip = 0;  // and of the high-frequency one
   int chip_frequency = 40;
 };
 
@@ -59,50 +59,50 @@ struct ProfileRecipe {
   double joint = 0.93;   // depth of the joint's floor
   double lift = 0.07;    // depth by which faces differ from piece to piece
   double tilt = 0.04;    // depth by which they tilt
-  double crown = 0;      // depth by which the layout's own relief goes down: a stone's dome, a wire's wave
+  double crown = 0;      // depth range of the pattern's own relief: a stone's dome, a wire's wave
 };
 
 enum class Detail { noise, pits, veins, steps, grain, scratches, rivets, rosette };
-enum class On { pieces, joints, both };
-enum class Along { tile, piece };
+enum class AppliesTo { pieces, joints, both };
+enum class Axes { tile, piece };
 
-// One detail: a value over the tile, 0..1 or -1..1, that moves depth and paints.
+// One detail: a value over the tile, 0..1 or -1..1, that changes depth and colour.
 struct LayerRecipe {
   Detail detail = Detail::noise;
-  On on = On::pieces;
-  Along along = Along::tile;  // whose axes it follows; along a piece it starts anew on each
-  int stream = 0;             // added to the recipe's seed
-  double depth = 0;           // added to the depth, times the value: positive is deeper
-  double shade = 0;           // the colour is multiplied by 1 + shade x value
-  double paint_amount = 0;    // share of `paint` in the colour, times the value
+  AppliesTo on = AppliesTo::pieces;
+  Axes along = Axes::tile;  // coordinate frame; `piece` restarts on each piece
+  int stream = 0;           // added to the recipe's seed
+  double depth = 0;         // added to the depth, times the value: positive is deeper
+  double shade = 0;         // the colour is multiplied by 1 + shade x value
+  double paint_amount = 0;  // weight of `paint` in the colour, times the value
   Vec3 paint = Vec3::Zero();
-  int frequency_u = 16;  // lattice cells a side
+  int frequency_u = 16;  // lattice cells per side
   int frequency_v = 16;
   int octaves = 3;
   double gain = 0.5;       // of each octave
-  double threshold = 0.2;  // pits: how deep the noise must go; steps: sharpness
-  double width = 0.05;     // veins: in noise; scratches, rivets, rosette: fraction of the side
+  double threshold = 0.2;  // pits: depth of noise where they begin; steps: sharpness
+  double width = 0.05;     // veins: in units of noise; scratches, rivets, rosette: fraction of the side
   double length = 0.2;     // scratches
   double direction = 0;    // scratches: degrees from u
-  double spread = 180;     // and degrees by which they stray
-  int count = 40;          // scratches; rings of the grain a side; steps; petals; rivets a side of a piece
+  double spread = 180;     // and range of random directions, degrees
+  int count = 40;          // scratches; rings per side; steps; petals; rivets per side of a piece
   double inset = 0.02;     // rivets: from the piece's outline
-  double bend = 1;         // grain: how many rings the noise moves it
+  double bend = 1;         // grain: displacement by noise, in rings
   int knots = 0;           // grain
   double knot = 0.02;      // grain: radius of the largest knot
 };
 
 struct ColourRecipe {
-  std::vector<Vec3> pieces = {Vec3(0.5, 0.5, 0.5)};  // a piece is somewhere along this list
-  bool checker = false;                              // pieces take them in turn instead
-  Vec2 shade = Vec2(1, 1);                           // darkest and lightest piece
+  std::vector<Vec3> pieces = {Vec3(0.5, 0.5, 0.5)};  // interpolated along this list at random
+  bool checker = false;                              // alternate instead
+  Vec2 shade = Vec2(1, 1);                           // of the darkest and lightest piece
   Vec3 joint = Vec3(0.5, 0.5, 0.5);
-  Vec3 rim = Vec3::Zero();  // what a piece's edge fades to
+  Vec3 rim = Vec3::Zero();  // colour at a piece's edge
   double rim_amount = 0;
   double rim_reach = 0.01;
 };
 
-struct BuiltinRecipe {
+struct Recipe {
   BuiltinMaterial about;
   std::uint64_t seed = 7;
   LayoutRecipe layout;

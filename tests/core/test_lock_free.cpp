@@ -8,7 +8,7 @@
 
 using intaglio::Latest;
 
-TEST_CASE("the reader gets the newest value, again and again; before any it has a default one") {
+TEST_CASE("the reader gets the newest value every time, and a default one before the first") {
   Latest<int> slot;
   CHECK(slot.fetch() == 0);
   slot.publish(1);

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/surface/test_image_encoders.h"
+#include "tests/surface/image_encoders.h"
 
 namespace intaglio::surface::corpus {
 

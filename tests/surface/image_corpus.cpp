@@ -1,4 +1,4 @@
-#include "tests/surface/test_image_corpus.h"
+#include "tests/surface/image_corpus.h"
 
 #include <fmt/format.h>
 
@@ -12,8 +12,7 @@ using namespace encoders;
 
 Image8 small_picture(int channels) {
   Image8 image(24, 17, channels);
-  for (std::size_t k = 0; k < image.data.size(); ++k)
-    image.data[k] = static_cast<std::uint8_t>(k % 97 < 50 ? 9 : k * 7);
+  for (std::size_t k = 0; k < image.data.size(); ++k) image.data[k] = std::uint8_t(k % 97 < 50 ? 9 : k * 7);
   return image;
 }
 
@@ -33,7 +32,7 @@ void add_damaged(Corpus& corpus, const std::string& name, const File& good) {
   }
   for (std::size_t at = 0; at < std::min<std::size_t>(good.size(), 400); at += 3) {
     File flipped = good;
-    flipped[at] = static_cast<std::uint8_t>(flipped[at] ^ 1u << at % 8);
+    flipped[at] = std::uint8_t(flipped[at] ^ 1u << at % 8);
     corpus.push_back({fmt::format("bit flipped at {} {}", at, name), flipped, Expect::anything});
   }
 }
@@ -82,7 +81,7 @@ void add_jpeg(Corpus& corpus) {
   const File good = encode_jpeg(small_picture(3));
   constexpr std::array marker{0xff, 0xc0};
   const auto frame = std::search(good.begin(), good.end(), marker.begin(), marker.end());
-  const auto size_at = static_cast<std::size_t>(frame - good.begin()) + 5;
+  const auto size_at = std::size_t(frame - good.begin()) + 5;
   const auto sized = [&](const std::string& name, std::uint8_t high, std::uint8_t low) {
     File file = good;
     for (const std::size_t at : {size_at, size_at + 2}) {
@@ -107,7 +106,7 @@ void add_tga(Corpus& corpus) {
   const auto with = [&](const std::string& name, const File& from,
                         const std::vector<std::pair<std::size_t, int>>& changes) {
     File file = from;
-    for (const auto& [at, value] : changes) file[at] = static_cast<std::uint8_t>(value);
+    for (const auto& [at, value] : changes) file[at] = std::uint8_t(value);
     corpus.push_back({name + ".tga", file});
   };
   for (const int type : {0, 1, 4, 9, 12, 32, 255}) with(fmt::format("type {}", type), raw, {{2, type}});

@@ -12,36 +12,34 @@ using namespace intaglio::surface;
 namespace {
 
 template <class T>
-TiltedPieces<T> random_pieces(Random& random) {
+Slabs<T> random_pieces(Random& random) {
   const double size = std::pow(10.0, random.uniform(-4, 0));
   const auto four = [&](double low, double high) {
     Four<T> out;
-    for (int k = 0; k < 4; ++k) out[k] = static_cast<T>(random.uniform(low, high));
+    for (int k = 0; k < 4; ++k) out[k] = T(random.uniform(low, high));
     return out;
   };
-  // Up to what a texel's step of the whole depth is.
-  const auto steep = [&] {
-    return Four<T>(four(-1, 1) * static_cast<T>(std::pow(10.0, random.uniform(-1, 2))));
-  };
+  // Up to a step of the full depth over one texel.
+  const auto steep = [&] { return Four<T>(four(-1, 1) * T(std::pow(10.0, random.uniform(-1, 2)))); };
   return {four(-3 * size, 3 * size),
           four(-3 * size, 3 * size),
           four(-3 * size, 3 * size),
           steep(),
           steep(),
           four(0, 0.3 * size),
-          static_cast<T>(size),
-          static_cast<T>(size * random.uniform(0.2, 2))};
+          T(size),
+          T(size * random.uniform(0.2, 2))};
 }
 
-// A point of piece k: of the plane, and off it by no more than the play.
+// A point of slab k.
 template <class T>
-Vec3 random_point(const TiltedPieces<T>& p, int k, Random& random) {
+Vec3 random_point(const Slabs<T>& p, int k, Random& random) {
   const double edge = random.uniform() < 0.3 ? 0.5 : random.uniform(0, 0.5);
   const double x = (random.uniform() < 0.5 ? edge : -edge) * double(p.w),
                y = random.uniform(-0.5, 0.5) * double(p.h);
   return {double(p.x[k]) + x, double(p.y[k]) + y,
           double(p.z[k]) + double(p.slope_x[k]) * x + double(p.slope_y[k]) * y +
-              random.uniform(-1, 1) * double(p.play[k])};
+              random.uniform(-1, 1) * double(p.half_thickness[k])};
 }
 
 template <class T>
@@ -50,11 +48,11 @@ void check_bounds() {
   double sharpest = 0;
   int held = 0, wrong = 0;
   for (int n = 0; n < 3000; ++n) {
-    const TiltedPieces<T> pieces = random_pieces<T>(random);
+    const Slabs<T> pieces = random_pieces<T>(random);
     const Boxes<T> boxes = pieces.boxes();
-    const Four<T> box2 = boxes.least_distance2(), plane2 = pieces.least_distance2();
-    const T reach = static_cast<T>(random.uniform(0.5, 4)) * pieces.w;
-    const Reached<T> reached(boxes, reach);
+    const Four<T> box2 = boxes.min_distance2(), plane2 = pieces.min_distance2();
+    const T reach = T(random.uniform(0.5, 4)) * pieces.w;
+    const ClippedBoxes<T> reached(boxes, reach);
     const Vec3 axis = Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)).normalized();
     const double cosine = std::cos(random.uniform(0.1, 1.5));
     const unsigned box_in = reached.boxes_in_cone(axis, cosine),
@@ -73,13 +71,13 @@ void check_bounds() {
     }
   }
   CHECK(wrong == 0);
-  CHECK(sharpest > 0.9);  // bounds that are always 0 would hold too
+  CHECK(sharpest > 0.9);  // bounds that are always 0 would pass the rest
   CHECK(held > 1000);
 }
 
 }  // namespace
 
-TEST_CASE("bounds of four pieces hold for every point of them, in both precisions") {
+TEST_CASE("bounds of four slabs hold for every point of them, in both precisions") {
   SUBCASE("single") {
     check_bounds<float>();
   }
@@ -88,19 +86,19 @@ TEST_CASE("bounds of four pieces hold for every point of them, in both precision
   }
 }
 
-TEST_CASE("where a piece is said to have no minimum, the distance falls across it and around it") {
+TEST_CASE("where a slab is called monotonic, the distance is monotonic across it and around it") {
   Random random(6);
   int claimed = 0;
   for (int n = 0; n < 3000; ++n) {
-    const TiltedPieces<double> p = random_pieces<double>(random);
+    const Slabs<double> p = random_pieces<double>(random);
     const Four<double> none = Four<double>::Zero();
-    TiltedPieces<double> flat = p;  // a plane, whose slopes are known exactly
-    flat.play = none;
-    const unsigned without = flat.without_minimum(none, none);
+    Slabs<double> flat = p;  // a plane, whose slopes are known exactly
+    flat.half_thickness = none;
+    const unsigned without = flat.monotonic(none, none);
     for (int k = 0; k < 4; ++k) {
       if ((without >> k & 1u) == 0) continue;
       ++claimed;
-      // Half the squared distance's slope along x or along y keeps its sign up to a quarter beyond the piece.
+      // The derivative of half the squared distance along x or y keeps its sign up to a quarter side outside.
       std::array<bool, 2> rises{true, true}, falls{true, true};
       for (int m = 0; m < 64; ++m) {
         const double x = random.uniform(-0.75, 0.75) * p.w, y = random.uniform(-0.75, 0.75) * p.h;

@@ -17,10 +17,10 @@ namespace {
 
 // A random seamless height of n x n texels, 0..1.
 Field random_height(int n, std::uint64_t seed) {
+  const Fractal noise(4, 4, 4, 0.5, seed);
   Field field(n, n);
   for (int y = 0; y < n; ++y) {
-    for (int x = 0; x < n; ++x)
-      field.at(x, y) = static_cast<float>(periodic_fractal((x + 0.5) / n, (y + 0.5) / n, 4, 4, 0.5, seed));
+    for (int x = 0; x < n; ++x) field.at(x, y) = float(noise((x + 0.5) / n, (y + 0.5) / n));
   }
   const auto [low, high] = std::minmax_element(field.value.begin(), field.value.end());
   const float a = *low, b = *high;
@@ -29,7 +29,7 @@ Field random_height(int n, std::uint64_t seed) {
 }
 
 Field rounded(Field field, double levels) {
-  for (float& v : field.value) v = static_cast<float>(std::round(static_cast<double>(v) * levels) / levels);
+  for (float& v : field.value) v = float(std::round(double(v) * levels) / levels);
   return field;
 }
 
@@ -40,16 +40,16 @@ TEST_CASE("200 flips: green, polarity and rows are found, and the implied depth"
   int right = 0;
   for (int k = 0; k < 200; ++k) {
     const double depth = random.uniform(0.01, 0.06);
-    Field height = random_height(96, 1000 + static_cast<std::uint64_t>(k));
+    Field height = random_height(96, 1000 + std::uint64_t(k));
     Slopes slopes = central_slopes(height, depth);
     const bool minus = random.uniform() < 0.5, deep = random.uniform() < 0.5,
                upside_down = random.uniform() < 0.3;
     if (minus) negate(slopes.y);
-    if (deep) complement(height);
+    if (deep) invert(height);
     if (upside_down) flip_rows(height);
-    const Detection found = detect(slopes, rounded(height, 255));
+    const Detection found = detect_conventions(slopes, rounded(height, 255));
     right += (found.green == Green::minus_y) == minus && (found.polarity == Polarity::depth) == deep &&
-                     found.rows_differ == upside_down && std::abs(found.implied_depth / depth - 1) < 0.1
+                     found.rows_flipped == upside_down && std::abs(found.implied_depth / depth - 1) < 0.1
                  ? 1
                  : 0;
   }
@@ -58,10 +58,11 @@ TEST_CASE("200 flips: green, polarity and rows are found, and the implied depth"
 
 TEST_CASE("maps of different surfaces are flagged, and so is a flat height") {
   for (std::uint64_t k = 0; k < 20; ++k) {
-    CHECK_FALSE(detect(central_slopes(random_height(96, k), 0.02), random_height(96, 500 + k)).agrees());
+    CHECK_FALSE(
+        detect_conventions(central_slopes(random_height(96, k), 0.02), random_height(96, 500 + k)).agrees());
   }
   Field flat(96, 96);
-  CHECK_FALSE(detect(central_slopes(random_height(96, 1), 0.02), flat).agrees());
+  CHECK_FALSE(detect_conventions(central_slopes(random_height(96, 1), 0.02), flat).agrees());
 }
 
 TEST_CASE("the conventions of real textures are found") {
@@ -88,6 +89,6 @@ TEST_CASE("the conventions of real textures are found") {
                          << " %, curl " << report.curl << ", lambda " << report.lambda);
     CHECK_MESSAGE(report.detected_green == texture.green, texture.path);
     CHECK_MESSAGE(report.detected_polarity == Polarity::height, texture.path);
-    CHECK_MESSAGE(!report.rows_differed, texture.path);
+    CHECK_MESSAGE(!report.rows_flipped, texture.path);
   }
 }

@@ -1,5 +1,5 @@
-// Our elementary functions: how true they are, against the C library's in 80 bits; what holds exactly; and
-// that their bits are what they were when this was written, whatever processor, compiler and library this is.
+// Elementary functions: their accuracy, against the C library's in 80 bits; exact identities; and their
+// recorded bits, whatever the processor, compiler and library.
 #include <doctest/doctest.h>
 
 #include <bit>
@@ -23,12 +23,12 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 constexpr int count = 100'000;
 
-// In units in the last place of what it should be.
+// Error in units in the last place of the true value.
 double ulps(double got, long double wanted) {
   int exponent = 0;
-  static_cast<void>(std::frexp(static_cast<double>(wanted), &exponent));
-  return static_cast<double>(std::abs(static_cast<long double>(got) - wanted) /
-                             std::ldexp(1.0L, std::max(exponent - 53, -1074)));
+  static_cast<void>(std::frexp(double(wanted), &exponent));
+  return double(std::abs(static_cast<long double>(got) - wanted) /
+                std::ldexp(1.0L, std::max(exponent - 53, -1074)));
 }
 
 double worst(const std::function<double(Random&)>& draw, const std::function<double(double)>& ours,
@@ -56,8 +56,8 @@ std::uint64_t bits(double x) {
 
 }  // namespace
 
-TEST_CASE("elementary functions are true within an ulp or two") {
-  // Elsewhere long double may be what double is, and says nothing.
+TEST_CASE("elementary functions are accurate to an ulp or two") {
+  // Where long double equals double the comparison would mean nothing.
   if (std::numeric_limits<long double>::digits < 64) return;
   const auto sin = [](long double x) { return std::sin(x); };
   const auto cos = [](long double x) { return std::cos(x); };
@@ -96,7 +96,7 @@ TEST_CASE("elementary functions are true within an ulp or two") {
   }
 }
 
-TEST_CASE("elementary functions at their ends") {
+TEST_CASE("elementary functions handle zeros, infinities, NaN and huge arguments") {
   CHECK(bits(elementary::sin(0.0)) == bits(0.0));
   CHECK(bits(elementary::sin(-0.0)) == bits(-0.0));
   CHECK(elementary::cos(0) == 1);
@@ -123,7 +123,7 @@ TEST_CASE("elementary functions at their ends") {
   for (const double y : {0.0, -0.0, 1.0, -1.0, infinity, -infinity})
     for (const double x : {0.0, -0.0, 1.0, -1.0, infinity, -infinity})
       CHECK(bits(elementary::atan2(y, x)) == bits(std::atan2(y, x)));
-  // One not-a-number, whatever came in: hashes see its bits.
+  // The same NaN whatever the argument: hashes see its bits.
   for (const double x : {none, -none, infinity, -infinity}) {
     CHECK(bits(elementary::sin(x)) == bits(none));
     CHECK(bits(elementary::cos(x)) == bits(none));
@@ -157,7 +157,7 @@ TEST_CASE("elementary functions have their symmetries to the bit") {
   }
 }
 
-TEST_CASE("a Fourier transform is the sum that it stands for, and its inverse takes it back") {
+TEST_CASE("a Fourier transform equals its defining sum, and the inverse undoes it") {
   Random random(4);
   for (const int n : {1, 2, 3, 4, 5, 7, 8, 12, 30, 49, 64, 97, 120}) {
     std::vector<std::complex<double>> in, out(std::size_t(n), 0), back(std::size_t(n), 0);
@@ -174,7 +174,7 @@ TEST_CASE("a Fourier transform is the sum that it stands for, and its inverse ta
   }
 }
 
-TEST_CASE("rotations by an angle are Eigen's") {
+TEST_CASE("rotations by an angle equal Eigen's") {
   Random random(5);
   for (int k = 0; k < 1000; ++k) {
     const Vec3 axis = Vec3(random.normal(), random.normal(), random.normal()).normalized();
@@ -196,7 +196,7 @@ TEST_CASE("rotations by an angle are Eigen's") {
   CHECK(between(Quat::Identity(), Quat::Identity(), 0.3).isApprox(Quat::Identity()));
 }
 
-TEST_CASE("elementary functions have the bits that they had when this was written") {
+TEST_CASE("elementary functions keep their recorded bits") {
   Hash hash;
   Random random(6);
   for (int k = 0; k < 2 * count; ++k) {

@@ -15,7 +15,7 @@ namespace intaglio::surface::encoders {
 using File = std::vector<std::uint8_t>;
 
 struct TgaLayout {
-  bool run_length = false;  // packets go on over the ends of rows
+  bool run_length = false;  // packets cross the ends of rows
   bool right_to_left = false;
   bool top_down = false;
   int alpha_bits = 8;  // what the header of a 32-bit file claims

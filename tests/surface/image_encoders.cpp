@@ -1,4 +1,4 @@
-#include "tests/surface/test_image_encoders.h"
+#include "tests/surface/image_encoders.h"
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>
@@ -21,9 +21,9 @@ class Memory : public Imf::OStream {
  public:
   explicit Memory(File& file) : OStream("memory"), file_(file) {}
   void write(const char bytes[], int count) override {
-    const std::size_t end = at_ + static_cast<std::size_t>(count);
+    const std::size_t end = at_ + std::size_t(count);
     if (file_.size() < end) file_.resize(end);
-    std::memcpy(file_.data() + at_, bytes, static_cast<std::size_t>(count));
+    std::memcpy(file_.data() + at_, bytes, std::size_t(count));
     at_ = end;
   }
   std::uint64_t tellp() override { return at_; }
@@ -76,7 +76,7 @@ File packets(const std::vector<File>& pixels) {
     std::size_t count = repeats(k);
     const bool run = count > 1;
     while (!run && count < 128 && k + count < pixels.size() && repeats(k + count) == 1) ++count;
-    file.push_back(static_cast<std::uint8_t>((count - 1) | (run ? 0x80 : 0)));
+    file.push_back(std::uint8_t((count - 1) | (run ? 0x80 : 0)));
     for (std::size_t n = 0; n < (run ? 1 : count); ++n) file = file + pixels[k + n];
     k += count;
   }
@@ -97,8 +97,8 @@ File encode_tga(const Image8& image, const TgaLayout& layout) {
   const int type = (image.channels == 1 ? 3 : 2) + (layout.run_length ? 8 : 0);
   const int alpha = image.channels == 4 ? layout.alpha_bits : 0;
   const int descriptor = alpha | (layout.right_to_left ? 0x10 : 0) | (layout.top_down ? 0x20 : 0);
-  const auto byte = [](int value) { return static_cast<std::uint8_t>(value); };
-  File file{byte(static_cast<int>(layout.id.size())), 0, byte(type), 0, 0, 0, 0, 0, 0, 0, 0, 0};
+  const auto byte = [](int value) { return std::uint8_t(value); };
+  File file{byte(int(layout.id.size())), 0, byte(type), 0, 0, 0, 0, 0, 0, 0, 0, 0};
   for (const int value :
        {image.width, image.width >> 8, image.height, image.height >> 8, 8 * image.channels, descriptor}) {
     file.push_back(byte(value));
@@ -125,9 +125,9 @@ File encode_exr(const Image<float>& image, const ExrLayout& layout) {
   const std::size_t sample = layout.half ? sizeof(half) : sizeof(float);
   const char* const first = layout.half ? reinterpret_cast<const char*>(halves.data())
                                         : reinterpret_cast<const char*>(image.data.data());
-  const std::size_t pixel = sample * static_cast<std::size_t>(image.channels);
+  const std::size_t pixel = sample * std::size_t(image.channels);
   Imf::FrameBuffer buffer;
-  for (std::size_t c = 0; c < static_cast<std::size_t>(image.channels); ++c) {
+  for (std::size_t c = 0; c < std::size_t(image.channels); ++c) {
     header.channels().insert(names[c], Imf::Channel(type));
     buffer.insert(names[c], Imf::Slice::Make(type, first + c * sample, window, pixel,
                                              pixel * std::size_t(image.width)));
@@ -171,7 +171,7 @@ File png_signature() {
 
 File png_chunk(const std::string& type, const File& data) {
   const File summed = File(type.begin(), type.end()) + data;
-  return big_endian(static_cast<std::uint32_t>(data.size())) + summed + big_endian(crc(summed));
+  return big_endian(std::uint32_t(data.size())) + summed + big_endian(crc(summed));
 }
 
 File png_ihdr(const PngHeader& h) {
@@ -185,7 +185,7 @@ File png_idat(const File& rows) {
     a = (a + byte) % 65521;
     b = (b + a) % 65521;
   }
-  const auto n = static_cast<std::uint32_t>(rows.size());  // one stored block holds up to 65535 bytes
+  const auto n = std::uint32_t(rows.size());  // one stored block holds up to 65535 bytes
   const File block{1, std::uint8_t(n), std::uint8_t(n >> 8), std::uint8_t(~n), std::uint8_t(~n >> 8)};
   return png_chunk("IDAT", File{0x78, 0x01} + block + rows + big_endian(b << 16 | a));
 }

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "tests/surface/test_image_corpus.h"
+#include "tests/surface/image_corpus.h"
 
 namespace intaglio::surface::corpus {
 
@@ -19,11 +19,11 @@ std::size_t value_of(const File& file, const std::string& name, const std::strin
   const std::string key = name + '\0' + type + '\0';
   const auto found = std::search(file.begin(), file.end(), key.begin(), key.end());
   REQUIRE(found != file.end());
-  return static_cast<std::size_t>(found - file.begin()) + key.size() + 4;
+  return std::size_t(found - file.begin()) + key.size() + 4;
 }
 
 void put(File& file, std::size_t at, std::int64_t value) {
-  for (std::size_t k = 0; k < 4; ++k) file[at + k] = static_cast<std::uint8_t>(value >> (8 * k));
+  for (std::size_t k = 0; k < 4; ++k) file[at + k] = std::uint8_t(value >> (8 * k));
 }
 
 void add_exr_windows(Corpus& corpus, const File& good) {
