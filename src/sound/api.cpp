@@ -111,7 +111,8 @@ Synthesizer::Synthesizer(Synthesizer&&) noexcept = default;
 Synthesizer& Synthesizer::operator=(Synthesizer&&) noexcept = default;
 Synthesizer::~Synthesizer() = default;
 
-Result<Synthesizer> Synthesizer::create(const SynthesizerOptions& options, const std::vector<SoundBody>& bodies) {
+Result<Synthesizer> Synthesizer::create(const SynthesizerOptions& options,
+                                        const std::vector<SoundBody>& bodies) {
   auto made = sound_bodies(options, bodies);
   if (!made) return tl::unexpected(made.error());
   return Synthesizer(
@@ -149,8 +150,8 @@ LiveSound::LiveSound(LiveSound&&) noexcept = default;
 LiveSound& LiveSound::operator=(LiveSound&&) noexcept = default;
 LiveSound::~LiveSound() = default;
 
-Result<LiveSound> LiveSound::create(const SynthesizerOptions& synthesizer, const std::vector<SoundBody>& bodies,
-                                    const LiveSoundOptions& options) {
+Result<LiveSound> LiveSound::create(const SynthesizerOptions& synthesizer,
+                                    const std::vector<SoundBody>& bodies, const LiveSoundOptions& options) {
   auto made = sound_bodies(synthesizer, bodies);
   if (!made) return tl::unexpected(made.error());
   return LiveSound(std::unique_ptr<Impl>(new Impl{sound::LiveSound(
@@ -171,7 +172,8 @@ void LiveSound::set_gain_db(double gain_db) {
 }
 LiveSoundStatus LiveSound::status() {
   const sound::LiveSoundStatus from = impl_->sound.status();
-  return {from.events, from.dropped_events, from.stalls, from.delay, from.worst_latency, status_of(from.synthesizer)};
+  return {from.events, from.dropped_events, from.stalls,
+          from.delay,  from.worst_latency,  status_of(from.synthesizer)};
 }
 void LiveSound::render(std::span<float> stereo) noexcept {
   impl_->sound.render(stereo);

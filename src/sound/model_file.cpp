@@ -1,9 +1,9 @@
 #include "sound/model_file.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <fmt/format.h>
 
 #include "core/file.h"
 #include "model_generated.h"

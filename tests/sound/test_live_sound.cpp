@@ -10,7 +10,6 @@
 #include "tests/count_allocations.h"
 #include "tests/sound/clock_device.h"
 #include "tests/sound/scenes.h"
-#include "tests/sound/clock_device.h"
 
 using namespace intaglio;
 using namespace intaglio::sound;

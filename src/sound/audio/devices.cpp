@@ -4,10 +4,10 @@
 #include <rtaudio/RtAudio.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
 #include <array>
 #include <atomic>
 #include <cstdio>
-#include <fmt/format.h>
 
 #include "sound/audio_device.h"
 

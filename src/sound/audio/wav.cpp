@@ -2,9 +2,9 @@
 
 #include <sndfile.h>
 
+#include <fmt/format.h>
 #include <memory>
 #include <system_error>
-#include <fmt/format.h>
 
 #include "core/file.h"
 

@@ -30,7 +30,8 @@ Result<sound::SolidShape> solid_of(const Shape& shape) {
   if (const auto* s = std::get_if<Cylinder>(&shape))
     solid = {Kind::cylinder, Vec3(2 * s->radius, 2 * s->half_height, 2 * s->radius)};
   if (!(solid.size.minCoeff() > 0) || !solid.size.allFinite())
-    return fail("bake", "the shape is not a sphere, box or cylinder with a size", "bake another one as a mesh");
+    return fail("bake", "the shape is not a sphere, box or cylinder with a size",
+                "bake another one as a mesh");
   return solid;
 }
 
@@ -39,12 +40,14 @@ double size_of_elements(const BakeOptions& options, double volume, double area, 
                               : sound::element_size(volume, area, material, bake_options(options).modes);
 }
 
-Result<ModalModel> baked(const sound::TetMesh& elements, const Material& material, const BakeOptions& options) {
+Result<ModalModel> baked(const sound::TetMesh& elements, const Material& material,
+                         const BakeOptions& options) {
   auto model = sound::bake(elements, material, bake_options(options));
   if (!model) return tl::unexpected(model.error());
   if (model->modes() == 0)
-    return fail("bake", "no mode rings in the range",
-                "a small or stiff body rings higher (max_frequency), a well damped one not at all; sizes are metres");
+    return fail(
+        "bake", "no mode rings in the range",
+        "a small or stiff body rings higher (max_frequency), a well damped one not at all; sizes are metres");
   sound::merge_modes(*model, options.merge_db);
   return handle_of(std::move(*model));
 }
@@ -61,14 +64,16 @@ Result<ModalModel> bake(const Shape& shape, const MaterialChoice& material, cons
   return baked(solid->mesh(size, options.max_elements), *values, options);
 }
 
-Result<ModalModel> bake(const TriangleMesh& mesh, const MaterialChoice& material, const BakeOptions& options) {
+Result<ModalModel> bake(const TriangleMesh& mesh, const MaterialChoice& material,
+                        const BakeOptions& options) {
   const std::string name = options.name.empty() ? "mesh" : options.name;
   const auto values = material.material();
   if (!values) return tl::unexpected(values.error());
   if (const auto sane = sound::check_material(*values); !sane) return tl::unexpected(sane.error());
   const auto surface = sound::body_surface(mesh, name, options.thickness);
   if (!surface) return tl::unexpected(surface.error());
-  sound::FillOptions fill{size_of_elements(options, surface->volume, surface->area, *values), options.max_elements};
+  sound::FillOptions fill{size_of_elements(options, surface->volume, surface->area, *values),
+                          options.max_elements};
   if (!options.element_size && options.thickness == 0 && surface->is_closed() &&
       sound::has_skew_edges(*surface, fill.element_size))
     fill.element_size *= sound::skew_edge_size_factor;

@@ -1,10 +1,10 @@
 #include "sound/bake/bake.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <fmt/format.h>
 
 #include "sound/bake/fem/elastic_system.h"
 #include "sound/bake/radiation.h"

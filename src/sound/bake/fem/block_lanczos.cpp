@@ -4,12 +4,12 @@
 #include <dmumps_c.h>
 #include <metis.h>
 
+#include <fmt/format.h>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cassert>
 #include <mutex>
 #include <vector>
-#include <fmt/format.h>
 
 #include "core/portable_math.h"
 

@@ -1,10 +1,10 @@
 #include "sound/bake/fem/body_surface.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <map>
-#include <fmt/format.h>
 
 namespace intaglio::sound {
 

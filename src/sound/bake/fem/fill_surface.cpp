@@ -1,8 +1,8 @@
 #include "sound/bake/fem/fill_surface.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <map>
 #include <optional>
 

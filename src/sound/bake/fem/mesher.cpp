@@ -1,11 +1,11 @@
 #include "sound/bake/fem/mesher.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <map>
-#include <fmt/format.h>
 
 #include "core/file.h"
 #include "core/process.h"

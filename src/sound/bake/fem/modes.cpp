@@ -1,9 +1,9 @@
 #include "sound/bake/fem/modes.h"
 
+#include <fmt/format.h>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <numbers>
 #include <optional>
 

@@ -1,5 +1,6 @@
 #include "sound/bake/fem/tet_mesh.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -11,7 +12,6 @@
 #include <numeric>
 #include <unordered_map>
 #include <vector>
-#include <fmt/format.h>
 
 #include "sound/bake/fem/elastic_system.h"
 
