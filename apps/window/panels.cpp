@@ -144,8 +144,8 @@ void timing_panel(session::LiveSession& session, const PanelData& data, const se
   wrapped_text(fmt::format("touch     {}, wake-up {} (p99)", microseconds(servo.compute().quantile(0.5)),
                            microseconds(servo.wake_up().quantile(0.99))));
   if (session.has_sound()) {
-    wrapped_text(
-        fmt::format("sound     {:.0f} % busy, {} underruns", 100 * data.audio.peak_load, data.audio.underruns));
+    wrapped_text(fmt::format("sound     {:.0f} % busy, {} underruns", 100 * data.audio.peak_load,
+                             data.audio.underruns));
   } else {
     wrapped_text("sound     baking models");
   }
