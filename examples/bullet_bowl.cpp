@@ -23,8 +23,8 @@ int main() {
   // (1) Bullet learns to meet textured shapes.
   intaglio::bullet::enable(dispatcher);
 
-  // (2) Surfaces on meshes, the texture so many times around: a bowl of 1 m radius, its bricks 1 cm deep, and a ball of
-  // 20 cm, 3 mm deep; load_mesh() reads your own meshes. And a floor.
+  // (2) Surfaces on meshes, the texture so many times around: a bowl of 1 m radius, its bricks 1 cm deep, and
+  // a ball of 20 cm, 3 mm deep; load_mesh() reads your own meshes. And a floor.
   using namespace intaglio;
   const auto bowl = CurvedSurface::load("brick", repeated(bowl_mesh(1, 128, 64), {4, 1}), {.depth = 0.01});
   const auto ball = CurvedSurface::load("brick", repeated(sphere_mesh(0.2, 96, 48), {2, 1}), {.depth = 0.003});

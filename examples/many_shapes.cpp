@@ -1,4 +1,5 @@
-// Bodies of every kind in one world: box, capsule, hull, a concave mesh's compound stand-in, and a carved ball.
+// Bodies of every kind in one world: box, capsule, hull, a concave mesh's compound stand-in, and a carved
+// ball.
 #include <intaglio/solid.h>
 #include <intaglio/world.h>
 

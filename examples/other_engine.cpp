@@ -15,7 +15,8 @@ int main() {
     pose.position.y() = height;
     const intaglio::ContactSet touching = intaglio::contacts(*wall, box, pose, {.margin = 0.05});
     std::cout << "centre at " << height << " m: " << touching.size() << " contacts\n";
-    for (const intaglio::ContactPoint& c : touching)  // my_engine.add(c.point, c.normal, c.distance, c.feature)
+    // With an engine: my_engine.add(c.point, c.normal, c.distance, c.feature)
+    for (const intaglio::ContactPoint& c : touching)
       std::cout << "  " << c.point.transpose() << "  normal " << c.normal.transpose() << "  gap " << c.distance << '\n';
     if (touching.empty()) return 1;
   }

@@ -1,4 +1,5 @@
-// What does a texture say? Loads one, prints what import found, and asks for heights, slopes, a ray and a closest point.
+// What does a texture say? Loads one, prints what import found, and asks for heights, slopes, a ray and a
+// closest point.
 //
 //   example_texture_report [TEXTURE]        a folder, an image, or a built-in name; "brick" by default
 #include <intaglio/surface.h>

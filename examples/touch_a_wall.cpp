@@ -1,8 +1,9 @@
-// Touch: a simulated hand drags a pen over bricks and pushes a ball. Offline, tick by tick; a real device would run
-// touch.start() and publish() at every step of the world instead (haptics.h).
+// Touch: a simulated hand drags a pen over bricks and pushes a ball. Offline, tick by tick; a real device
+// would run touch.start() and publish() at every step of the world instead (haptics.h).
 #include <intaglio/haptics.h>
 #include <intaglio/world.h>
 
+#include <algorithm>
 #include <iostream>
 
 using namespace intaglio;

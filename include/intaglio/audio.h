@@ -4,8 +4,8 @@
 //   auto live = intaglio::LiveSound::create({.sample_rate = double(card.sample_rate())}, bodies).value();
 //   if (auto started = card.start(live); !started) ...          // examples/live_sound.cpp
 //
-// A card pulls: it calls render() from a real-time thread of the system's until stop(). The other functions: one
-// thread.
+// A card pulls: it calls render() from a real-time thread of the system's until stop(). The other functions:
+// one thread.
 #pragma once
 
 #include <cstdint>
@@ -50,8 +50,8 @@ class AudioOutput {
   int sample_rate() const;   // Hz, as it really is
   int buffer_frames() const;
 
-  // `sound` outlives the playing. Or your own callback, which fills interleaved left and right, -1..1, without
-  // allocation, lock or exception. Errors: it plays already; the system refuses.
+  // `sound` outlives the playing. Or your own callback, which fills interleaved left and right, -1..1,
+  // without allocation, lock or exception. Errors: it plays already; the system refuses.
   Result<void> start(LiveSound& sound);
   Result<void> start(std::function<void(std::span<float> stereo)> render);
   void stop();  // nothing renders when it returns
@@ -68,8 +68,8 @@ std::vector<std::string> audio_outputs();
 
 enum class WavFormat { pcm_16, pcm_24, float_32 };
 
-// Writes samples in -1..1, interleaved, whole or not at all. PCM clips what lies outside. Equal sounds are equal
-// files.
+// Writes samples in -1..1, interleaved, whole or not at all. PCM clips what lies outside. Equal sounds are
+// equal files.
 Result<void> write_wav(const std::filesystem::path& path, std::span<const float> samples, int sample_rate,
                        int channels = 1, WavFormat format = WavFormat::pcm_24);
 

@@ -1,11 +1,11 @@
-// Modal models from shapes and meshes: what a body of that material rings like. Links MUMPS and METIS; the sound
-// run time (sound.h) does not.
+// Modal models from shapes and meshes: what a body of that material rings like. Links MUMPS and METIS; the
+// sound run time (sound.h) does not.
 //
 //   auto model = intaglio::bake(intaglio::Sphere{0.05}, "steel");     // examples/struck_ball.cpp
 //   if (model) model->save("ball.modes");
 //
-// Quadratic finite elements of the free body; seconds to a minute, one core. Any thread, one bake at a time in a
-// process (the solver has global state): calls wait for each other. docs/bake.md says how true it is.
+// Quadratic finite elements of the free body; seconds to a minute, one core. Any thread, one bake at a time
+// in a process (the solver has global state): calls wait for each other. docs/bake.md says how true it is.
 #pragma once
 
 #include <functional>
@@ -32,8 +32,8 @@ struct BakeOptions {
   std::function<void(double done)> progress = {};  // 0..1, in the calling thread
 };
 
-// Sphere, Box or Cylinder, of structured elements. Errors: another shape, a material out of range, no mode that
-// rings below max_frequency.
+// Sphere, Box or Cylinder, of structured elements. Errors: another shape, a material out of range, no mode
+// that rings below max_frequency.
 Result<ModalModel> bake(const Shape& shape, const MaterialChoice& material, const BakeOptions& options = {});
 
 // Any mesh, also an unclean one, in metres. Errors: as above; a mesh that encloses nothing.

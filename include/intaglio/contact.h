@@ -7,10 +7,11 @@
 // query is in ContactSet::status. World frame, metres.
 //
 // A contact is a place where the gap between body and relief is least among its neighbours. Apart, `distance`
-// is the Euclidean distance of the two points, and the first contact's is that of body and relief. Overlapping,
-// it is minus the way that the two features must be moved apart along the normal. `feature` stays the same from
-// step to step while the same features touch: key warm starting by it. Only points within the rectangle count;
-// below the relief is solid. Cost: 1 to 30 us (docs/contact-bench.md); on curved surfaces docs/curved.md.
+// is the Euclidean distance of the two points, and the first contact's is that of body and relief.
+// Overlapping, it is minus the way that the two features must be moved apart along the normal. `feature`
+// stays the same from step to step while the same features touch: key warm starting by it. Only points within
+// the rectangle count; below the relief is solid. Cost: 1 to 30 us (docs/contact-bench.md); on curved
+// surfaces docs/curved.md.
 #pragma once
 
 #include "intaglio/contact_point.h"

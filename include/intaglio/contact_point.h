@@ -1,4 +1,4 @@
-// What contact queries answer: where a body touches a textured surface. World frame, metres.
+// The answer of a contact query: where a body touches a textured surface. World frame, metres.
 #pragma once
 
 #include <array>
@@ -20,13 +20,13 @@ struct ContactPoint {
   Vec3 weights = Vec3::Zero();  // of the triangle's corners
 };
 
-// What a query reports beside its points: bits, of which several may be set.
+// Bits that a query reports beside its points; several may be set.
 namespace contact_status {
 inline constexpr unsigned ok = 0;
 inline constexpr unsigned bad_pose = 1;      // not finite, or not a rotation: nothing was computed
 inline constexpr unsigned no_size = 2;       // a shape without size, or not finite, or null: left out
 inline constexpr unsigned off_edge = 4;      // no part of the body is over the rectangle
-inline constexpr unsigned far = 8;           // so far away (1e5 sides) that digits are lost: nothing was computed
+inline constexpr unsigned far = 8;           // 1e5 sides away, where digits are lost: nothing was computed
 inline constexpr unsigned under = 16;        // wholly under the surface: pushed up along n_g
 inline constexpr unsigned wide_margin = 32;  // the margin was limited (too fast for this step): sub-step
 inline constexpr unsigned limit = 64;        // more candidates than are kept: the deepest were kept

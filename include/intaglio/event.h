@@ -1,4 +1,4 @@
-// What the senses tell each other: a contact between two bodies, with the time at which it happened.
+// The message between the senses: a contact between two bodies, with the time at which it happened.
 #pragma once
 
 #include <cstdint>

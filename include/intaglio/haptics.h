@@ -1,6 +1,6 @@
 // Touch: a device, a surface, and a guard that cannot be left out.
 //
-//   intaglio::Device pen = intaglio::open_vrpn("Phantom0@localhost").value();    // vrpn.h, or Device::custom()
+//   auto pen = intaglio::open_vrpn("Phantom0@localhost").value();        // vrpn.h, or Device::custom()
 //   auto touch = intaglio::ServoLoop::create(pen, {.surface = wall, .stiffness = 600}).value();
 //   touch.start();                                        // 1 kHz, on a thread of its own
 //   while (running) {                                     // your loop; examples/touch_a_wall.cpp
@@ -9,13 +9,14 @@
 //     world.push(ball, touch.take_ball_impulse(0));
 //   }
 //
-// The surface is sampled in every tick and the force comes from a stored energy, so that nothing the texture does
-// can give energy to the hand. Every force goes through a guard: bounded force and slew rate, a ramp-in of half a
-// second, the motors' long-run limit, and zero force within 21 ms when the scene, the device or the loop falls
-// silent, the hand is too fast, or a number is not one. A fault stays until rearm().
+// The surface is sampled in every tick and the force comes from a stored energy, so that nothing the texture
+// does can give energy to the hand. Every force goes through a guard: bounded force and slew rate, a ramp-in
+// of half a second, the motors' long-run limit, and zero force within 21 ms when the scene, the device or the
+// loop falls silent, the hand is too fast, or a number is not one. A fault stays until rearm().
 //
-// World frame, SI. The loop and your thread exchange latest values; neither waits for the other. publish() is also
-// the heartbeat: call it at least every 20 ms, or the guard lets go. docs/haptics.md has the bounds on stiffness.
+// World frame, SI. The loop and your thread exchange latest values; neither waits for the other. publish() is
+// also the heartbeat: call it at least every 20 ms, or the guard lets go. docs/haptics.md has the bounds on
+// stiffness.
 #pragma once
 
 #include <array>
@@ -35,13 +36,14 @@
 
 namespace intaglio {
 
-// A driver of your own. Its functions are called by the servo thread: no allocation, lock or exception. They are
-// given guarded forces only.
+// A driver of your own. Its functions are called by the servo thread: no allocation, lock or exception. They
+// are given guarded forces only.
 class DeviceDriver {
  public:
   virtual ~DeviceDriver() = default;
   virtual Vec3 position() = 0;  // m, of the tip, in the device's workspace
-  // N, and N m about the grip, on the hand until the next call; torque is zero unless GuardLimits::peak_torque is set.
+  // N, and N m about the grip, on the hand until the next call; torque is zero unless
+  // GuardLimits::peak_torque is set.
   virtual void set_force(const Vec3& newtons, const Vec3& torque) = 0;
   virtual std::optional<Quat> orientation() { return std::nullopt; }  // turns the pen from upright, where known
   virtual double silent_for() const { return 0; }  // s since the device was last heard of
@@ -56,8 +58,8 @@ struct Waypoint {
 class Device {
  public:
   static Device custom(std::shared_ptr<DeviceDriver> driver);
-  // A PHANToM Desktop in a simulated hand that follows a path: for tests and studies without a device. `path` is
-  // ordered in time and not empty. Its time is that of the ticks.
+  // A PHANToM Desktop in a simulated hand that follows a path: for tests and studies without a device. `path`
+  // is ordered in time and not empty. Its time is that of the ticks.
   static Device simulated(std::vector<Waypoint> path);
 
   struct Impl;  // of the library
@@ -68,7 +70,7 @@ class Device {
   std::shared_ptr<Impl> impl_;
 };
 
-// What the guard holds; the defaults are a PHANToM Desktop's.
+// Limits that the guard enforces; the defaults are a PHANToM Desktop's.
 struct GuardLimits {
   double peak_force = 7.9;         // N
   double continuous_force = 1.75;  // N, in the long run
@@ -135,7 +137,7 @@ struct TouchBall {
   double radius = 0;             // m
 };
 
-// What your loop hands over in each of its steps.
+// The scene as your loop hands it over in each of its steps.
 struct TouchScene {
   std::vector<TouchBall> balls = {};  // at most max_balls are felt
   // Moves the surface from where its own pose says, as of a textured body: where, how fast.
@@ -162,8 +164,8 @@ struct TouchTiming {
   std::string priority;                       // how the thread was scheduled, one line
 };
 
-// The servo loop. Its functions: one thread, yours. Its own thread neither allocates nor locks, and runs SCHED_FIFO
-// where it may.
+// The servo loop. Its functions: one thread, yours. Its own thread neither allocates nor locks, and runs
+// SCHED_FIFO where it may.
 class ServoLoop {
  public:
   // Errors: options out of range. The device's force stays zero until start().
@@ -178,7 +180,8 @@ class ServoLoop {
 
   void publish(const TouchScene& scene = {});
   TouchReport report();
-  // N s that ball k was given since the last call; and the textured body, with N m s about its pose's position.
+  // N s that ball k was given since the last call; and the textured body, with N m s about its pose's
+  // position.
   Vec3 take_ball_impulse(std::size_t k);
   Vec3 take_surface_impulse(Vec3* angular = nullptr);
   TouchTiming timing() const;

@@ -1,4 +1,4 @@
-// What a body is made of: one record that dynamics, haptics and sound all read.
+// The material of a body: one record that dynamics, haptics and sound all read.
 //
 // Elastic constants and Rayleigh damping: damping matrix C = alpha M + beta K, so a mode of angular frequency
 // w decays at d = (alpha + beta w^2) / 2. Some published code swaps the two names. Values: docs/materials.md.
@@ -43,7 +43,7 @@ std::span<const Material> materials();
 // The built-in material of that name, or an error that lists the names and the nearest one.
 Result<Material> find_material(std::string_view name);
 
-// What options take for a material: the name of a built-in one, or your own values.
+// A material in options: the name of a built-in one, or your own values.
 class MaterialChoice {
  public:
   MaterialChoice(const char* name) : name_(name) {}

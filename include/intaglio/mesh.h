@@ -1,11 +1,12 @@
 // A texture on a curved base: a bowl, a pipe, a carved ball, your own mesh.
 //
-//   auto bowl = intaglio::CurvedSurface::load("pebbles", repeated(intaglio::bowl_mesh(1), {4, 1}), {.depth = 0.01});
+//   using namespace intaglio;
+//   auto bowl = CurvedSurface::load("pebbles", repeated(bowl_mesh(1), {4, 1}), {.depth = 0.01});
 //   if (!bowl) { std::cerr << bowl.error() << '\n'; return 1; }      // examples/bullet_bowl.cpp
 //
 // The relief is height = -depth along the interpolated unit normal of the mesh. A handle to immutable data:
-// copies are cheap, every function may be called from any thread. What curved relief can and cannot do, and
-// what it costs: docs/curved.md. Lengths in metres; the mesh's coordinates are those of the answers.
+// copies are cheap, every function may be called from any thread. docs/curved.md says what curved relief can and
+// cannot do, and what it costs. Lengths in metres; the mesh's coordinates are those of the answers.
 #pragma once
 
 #include <filesystem>
@@ -25,10 +26,11 @@ enum class MeshUse { texture, shape };  // to lay a texture on, or for its shape
 Result<TriangleMesh> load_mesh(const std::filesystem::path& path, MeshUse use = MeshUse::texture);
 
 // Meshes of known shape, axis along +Y, middle at the origin, in so many facets. UVs run once over each.
-TriangleMesh quad_mesh(const Vec2& size);                                     // lying flat, u along +X, v along -Z
-TriangleMesh sphere_mesh(double radius, int around = 96, int up = 48);        // u eastwards, v from pole to pole
-TriangleMesh cylinder_mesh(double radius, double height, int around = 96, int up = 1);  // the side, without lids
-TriangleMesh bowl_mesh(double radius, int around = 96, int up = 48);          // the inside of the lower hemisphere
+TriangleMesh quad_mesh(const Vec2& size);                               // lying flat, u along +X, v along -Z
+TriangleMesh sphere_mesh(double radius, int around = 96, int up = 48);  // u eastwards, v from pole to pole
+TriangleMesh bowl_mesh(double radius, int around = 96, int up = 48);    // the inside of the lower hemisphere
+// The side only, without lids.
+TriangleMesh cylinder_mesh(double radius, double height, int around = 96, int up = 1);
 
 // The same mesh turned and moved; the same with the texture `times` as often along u and v.
 TriangleMesh moved(TriangleMesh mesh, const Pose& pose);
@@ -36,9 +38,9 @@ TriangleMesh repeated(TriangleMesh mesh, const Vec2& times);
 
 class CurvedSurface {
  public:
-  // The texture as Surface::load takes it; `options.size` and `options.pose` are not used: the mesh's UVs say how
-  // large a texture is. Errors: those of the texture; a mesh without triangles or UVs, with indices or numbers
-  // out of range; relief so deep that it folds, and then how deep it may be.
+  // The texture as Surface::load takes it; `options.size` and `options.pose` are not used: the mesh's UVs say
+  // how large a texture is. Errors: those of the texture; a mesh without triangles or UVs, with indices or
+  // numbers out of range; relief so deep that it folds, and then how deep it may be.
   static Result<CurvedSurface> load(const std::filesystem::path& texture, TriangleMesh mesh,
                                     const SurfaceOptions& options = {});
 

@@ -1,12 +1,14 @@
-// Pictures of textured surfaces, with or without a screen: relief mapping with self-occlusion, self-shadow, true
-// depth and cut silhouettes (Sterling & Lin 2016, §1.2.1).
+// Pictures of textured surfaces, with or without a screen: relief mapping with self-occlusion, self-shadow,
+// true depth and cut silhouettes (Sterling & Lin 2016, §1.2.1).
 //
 //   auto renderer = intaglio::Renderer::headless(960, 540).value();
-//   renderer.draw({.surfaces = {wall}, .camera = {.eye = {0, 1, 2}}})->save("wall.png");   // examples/picture.cpp
+//   auto picture = renderer.draw({.surfaces = {wall}, .camera = {.eye = {0, 1, 2}}});
+//   if (picture) picture->save("wall.png");                         // examples/picture.cpp
 //
-// OpenGL 3.3 by EGL, without a window; on a machine without a GPU Mesa draws it in software: about 0.2 CPU-seconds a
-// frame of 640 x 360. A Renderer has its own context, current only during a call, so any thread may use it, one at a
-// time. Deterministic: the same driver and view give the same bytes. Metres, world frame; colours are linear RGB.
+// OpenGL 3.3 by EGL, without a window; on a machine without a GPU Mesa draws it in software: about 0.2
+// CPU-seconds a frame of 640 x 360. A Renderer has its own context, current only during a call, so any thread
+// may use it, one at a time. Deterministic: the same driver and view give the same bytes. Metres, world
+// frame; colours are linear RGB.
 #pragma once
 
 #include <filesystem>
@@ -50,7 +52,8 @@ struct DrawnCurved {
 struct DrawnBall {
   Pose pose = {};
   double radius = 0.04;
-  Vec3 colour = Vec3(0.05, 0.24, 0.62), second_colour = Vec3(0.86, 0.84, 0.78);  // in gores, so that rolling shows
+  // In alternating segments, so that rolling shows.
+  Vec3 colour = Vec3(0.05, 0.24, 0.62), second_colour = Vec3(0.86, 0.84, 0.78);
 };
 
 // A body of any other shape, in one colour. Keep the mesh: it is uploaded once.
@@ -99,10 +102,11 @@ class Renderer {
   Renderer& operator=(Renderer&&) noexcept;
   ~Renderer();
 
-  // Uploads surfaces when they are not those of the last view; give handles, not copies of textures made anew.
-  // Errors: nothing to draw, a texture larger than the driver allows.
+  // Uploads surfaces when they are not those of the last view; give handles, not copies of textures made
+  // anew. Errors: nothing to draw, a texture larger than the driver allows.
   Result<Picture> draw(const View& view);
-  // Linear depth of the last picture, row 0 at the top: metres along the camera's axis, infinite for the background.
+  // Linear depth of the last picture, row 0 at the top: metres along the camera's axis, infinite for the
+  // background.
   std::vector<float> depth() const;
   std::string device() const;  // the driver
 

@@ -20,8 +20,8 @@ struct ReportOptions {
 Result<void> save_report(const Recording& recording, const std::filesystem::path& html,
                          const ReportOptions& options = {});
 
-// What a texture is like: its conventions, depth, slopes, terraces, whether its normals fit a height, and which
-// representation suits it. `texture` as Surface::load takes it.
+// A texture in numbers: its conventions, depth, slopes, terraces, whether its normals fit a height, and
+// which representation suits it. `texture` as Surface::load takes it.
 Result<void> save_texture_page(const std::filesystem::path& texture, const std::filesystem::path& html);
 Result<std::string> texture_json(const std::filesystem::path& texture);  // the same figures, for programs
 

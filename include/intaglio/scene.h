@@ -1,7 +1,7 @@
 // A scene file: surfaces, bodies, a pen, sound and camera, in TOML (docs/scene.md has every key).
 //
 //   auto scene = intaglio::Scene::load("scenes/brick.toml");
-//   if (!scene) { std::cerr << scene.error() << '\n'; return 1; }       // file, line, what is wrong, what would be right
+//   if (!scene) { std::cerr << scene.error() << '\n'; return 1; }     // names file and line
 //
 // A handle to immutable data: copies are cheap; any thread. session.h runs it.
 #pragma once
@@ -23,7 +23,8 @@ namespace intaglio {
 class Scene {
  public:
   static Result<Scene> load(const std::filesystem::path& path);
-  // From text; `name` stands for the file in errors, and its folder is where textures and models are looked for.
+  // From text; `name` stands for the file in errors, and its folder is where textures and models are looked
+  // for.
   static Result<Scene> parse(std::string_view text, const std::string& name);
 
   const std::string& title() const;

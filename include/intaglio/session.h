@@ -1,11 +1,11 @@
 // A scene that runs: offline into a recording, or live in real time.
 //
 //   auto recording = intaglio::simulate(scene, {.progress = [](double done) { ... }});
-//   recording->save_video("brick.mp4");                     // examples/simulate_scene.cpp; report.h writes its page
+//   if (recording) recording->save_video("brick.mp4");      // examples/simulate_scene.cpp
 //
-// Offline is deterministic: the same scene gives the same events and samples, to the bit, on every machine (hash()).
-// It first bakes the modal models that are found neither beside the scene nor in `model_cache` (seconds). One thread
-// a call.
+// Offline is deterministic: the same scene gives the same events and samples, to the bit, on every machine
+// (hash()). It first bakes the modal models that are found neither beside the scene nor in `model_cache`
+// (seconds). One thread a call.
 #pragma once
 
 #include <atomic>
@@ -37,7 +37,7 @@ struct FrameState {
   std::optional<Vec3> pen_tip;     // m
 };
 
-// What one tick of the pen found and did, world frame.
+// One tick of the pen, world frame.
 struct PenSample {
   double time = 0;               // s
   Vec3 tip = Vec3::Zero();       // m
@@ -47,7 +47,7 @@ struct PenSample {
   bool touching = false;
 };
 
-// What a simulation leaves behind. A handle to immutable data.
+// The result of a simulation. A handle to immutable data.
 class Recording {
  public:
   const Scene& scene() const;
@@ -97,7 +97,8 @@ struct LiveSessionState {
   bool has_sound = false;    // models are there and playing
 };
 
-// Physics, touch and sound of a scene, each on a thread of its own, in real time. All functions: one thread, yours.
+// Physics, touch and sound of a scene, each on a thread of its own, in real time. All functions: one thread,
+// yours.
 class LiveSession {
  public:
   // Tenths of a second. Models are baked in the background where they are missing; meanwhile it is silent.

@@ -1,5 +1,5 @@
-// Convex hulls and closed meshes as shapes; volume, centre of mass and inertia of any shape. Pure functions, any
-// thread.
+// Convex hulls and closed meshes as shapes; volume, centre of mass and inertia of any shape. Pure functions,
+// any thread.
 //
 //   auto hull = intaglio::make_hull(points);
 //   if (!hull) { std::cerr << hull.error() << '\n'; return 1; }
@@ -23,7 +23,8 @@ inline constexpr std::size_t max_mesh_triangles = 100'000;
 Result<ConvexHull> make_hull(std::span<const Vec3> points);
 
 // A closed mesh; triangles counter-clockwise seen from outside. Errors: an index out of range, a triangle
-// without area, an edge without a neighbour that runs the other way, inside out, more than max_mesh_triangles.
+// without area, an edge without a neighbour that runs the other way, inside out, more than
+// max_mesh_triangles.
 Result<Mesh> make_mesh(std::span<const Vec3> vertices, std::span<const std::array<int, 3>> triangles);
 
 // An upper bound of the distance of any point of the shape from its origin, metres.
@@ -35,7 +36,7 @@ struct MassProperties {
   Mat3 inertia = Mat3::Zero();  // about the centre, body axes, for density 1 kg/m^3: kg m^2 per kg/m^3
 };
 
-// Of uniform density. Overlapping children of a compound count twice.
+// For uniform density. Overlapping children of a compound count twice.
 MassProperties mass_properties(const Shape& shape);
 
 }  // namespace intaglio

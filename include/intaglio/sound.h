@@ -7,14 +7,14 @@
 //   synth.push(event);              // events in order of time
 //   synth.render(samples);          // pascals at 1 m      examples/struck_ball.cpp
 //
-// Offline, push and render on one thread. Live, LiveSound takes events from the physics thread and renders on the
-// sound card's, without either waiting (audio.h opens a card). The run time needs no baker: models come from
-// files that bake.h or `intaglio bake` writes.
+// Offline, push and render on one thread. Live, LiveSound takes events from the physics thread and renders on
+// the sound card's, without either waiting (audio.h opens a card). The run time needs no baker: models come
+// from files that bake.h or `intaglio bake` writes.
 //
-// What a contact sounds like (Sterling & Lin 2016, §1.2.5.1): at its first touch both bodies are struck by the
-// step's impulse as one Hertz half-sine; while it lasts, by what is new of the engine's impulses or by Eq. 1.4
-// along the texture (`meso`), and by fractal noise of both materials (`micro`). A free body that is struck also
-// clicks. The output depends on events and seed alone, not on how render() calls are cut.
+// The sound of a contact (Sterling & Lin 2016, §1.2.5.1): at its first touch both bodies are struck by
+// the step's impulse as one Hertz half-sine; while it lasts, by what is new of the engine's impulses or by
+// Eq. 1.4 along the texture (`meso`), and by fractal noise of both materials (`micro`). A free body that is
+// struck also clicks. The output depends on events and seed alone, not on how render() calls are cut.
 #pragma once
 
 #include <cstdint>
@@ -48,8 +48,8 @@ class ModalModel {
   int modes() const;
   double frequency(int mode) const;    // Hz, damped; ascending
   double decay_time(int mode) const;   // s, T60
-  // How strongly an impulse along `direction` at a point of the surface, both in the body's frame, excites a mode:
-  // kg^-1/2 a unit of impulse.
+  // How strongly an impulse along `direction` at a point of the surface, both in the body's frame, excites a
+  // mode: kg^-1/2 a unit of impulse.
   double gain(int mode, const Vec3& point, const Vec3& direction) const;
   // The same body with all lengths times `scale` (above 0), without baking it anew. Milliseconds.
   ModalModel scaled(double scale) const;
@@ -96,7 +96,7 @@ struct Listener {
   Vec3 right = Vec3::UnitX();     // unit, towards the right ear
 };
 
-// What did not fit; all 0 when all is well.
+// Counts of events that did not fit; all 0 when all is well.
 struct SynthesizerStatus {
   std::uint64_t dropped_pulses = 0;   // raise max_pulses
   std::uint64_t truncated_paths = 0;  // steps with more than 256 texel crossings
@@ -106,8 +106,8 @@ struct SynthesizerStatus {
   std::uint64_t dropped_pairs = 0;    // raise max_pairs
 };
 
-// One thread at a time. Construction takes all memory, milliseconds; render() neither allocates, locks nor throws.
-// push() allocates only when more than 4096 events wait.
+// One thread at a time. Construction takes all memory, milliseconds; render() neither allocates, locks nor
+// throws. push() allocates only when more than 4096 events wait.
 class Synthesizer {
  public:
   // Errors: a material that is not known, a sample rate that is not above 0.
@@ -116,8 +116,8 @@ class Synthesizer {
   Synthesizer& operator=(Synthesizer&&) noexcept;
   ~Synthesizer();
 
-  // An event reports the step that ends at event.time and lasts event.duration. Before rendering up to time t push
-  // every event whose step begins before t.
+  // An event reports the step that ends at event.time and lasts event.duration. Before rendering up to time t
+  // push every event whose step begins before t.
   void push(const ContactEvent& event);
   // The next samples.size() samples, Pa at 1 m.
   void render(std::span<float> samples);
@@ -134,8 +134,8 @@ class Synthesizer {
   std::unique_ptr<Impl> impl_;
 };
 
-// Pascals to full scale (-1..1): 20 Pa (117 dB SPL) is 1, moved by `gain_db`, with a soft limiter above -3 dBFS.
-// `out` may be `pascals`. Any thread, no allocation.
+// Pascals to full scale (-1..1): 20 Pa (117 dB SPL) is 1, moved by `gain_db`, with a soft limiter above -3
+// dBFS. `out` may be `pascals`. Any thread, no allocation.
 void to_full_scale(std::span<const float> pascals, std::span<float> out, double gain_db = 0);
 
 struct LiveSoundOptions {
@@ -154,8 +154,8 @@ struct LiveSoundStatus {
 };
 
 // A synthesizer between two threads, in full scale (-1..1) stereo. Nothing allocates, locks or throws after
-// construction. An event is heard `delay` after it happened by the card's clock; when physics falls behind, the
-// delay grows by what is missing and then creeps back.
+// construction. An event is heard `delay` after it happened by the card's clock; when physics falls behind,
+// the delay grows by what is missing and then creeps back.
 class LiveSound {
  public:
   // `synthesizer.sample_rate` is the card's. Errors: those of Synthesizer::create.
@@ -165,8 +165,8 @@ class LiveSound {
   LiveSound& operator=(LiveSound&&) noexcept;
   ~LiveSound();
 
-  // The physics thread: events in order of time; then, after each step, how far time has come (s). Time may pause
-  // but never goes back.
+  // The physics thread: events in order of time; then, after each step, how far time has come (s). Time may
+  // pause but never goes back.
   void push(const ContactEvent& event);
   void advance(double time);
   // Any one thread.

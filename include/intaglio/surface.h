@@ -8,10 +8,10 @@
 // from any thread at the same time. Queries do not allocate. They cost 0.05 to 0.1 us a sample, 1 to 2 us a
 // ray or closest point at 512 x 512 texels, three times that at 4096 x 4096. Memory: 12 bytes a texel.
 //
-// Lengths are metres. uv is 0..1, u to the right of the image, v up it (v = 0 is the bottom row); outside, the
-// texture repeats or its border goes on. By default the rectangle lies flat about the origin: u along +X, v
-// along -Z, normal +Y. Relief only cuts in: heights are 0 at the top and negative below. A slope is
-// (dz/dx, dz/dy), metres per metre along u and v.
+// Lengths are metres. uv is 0..1, u to the right of the image, v up it (v = 0 is the bottom row); outside,
+// the texture repeats or its border goes on. By default the rectangle lies flat about the origin: u along +X,
+// v along -Z, normal +Y. Relief only cuts in: heights are 0 at the top and negative below. A slope is (dz/dx,
+// dz/dy), metres per metre along u and v.
 #pragma once
 
 #include <filesystem>
@@ -40,7 +40,8 @@ enum class ImportMode {
 struct SurfaceOptions {
   Vec2 size = Vec2(1, 1);       // m, of the whole texture along u and v
   Pose pose = {};               // of the rectangle: its centre, and how it is turned from lying flat
-  std::optional<double> depth = {};  // m, from the highest to the lowest texel; unset: what the texture implies
+  // m, from the highest to the lowest texel; unset: what the texture implies.
+  std::optional<double> depth = {};
   Edge edge = Edge::wrap;
   ImportMode mode = ImportMode::fused;
   // Unset: detected from the images, else by the file's name, else +Y and high.
@@ -49,7 +50,7 @@ struct SurfaceOptions {
   int generated_size = 512;  // texels a side of a built-in texture or recipe, 64 to 8192
 };
 
-// What a probe of a given footprint meets.
+// The surface as a probe of a given footprint meets it.
 struct SurfaceSample {
   double height = 0;            // m, <= 0
   Vec3 normal = Vec3::UnitZ();  // unit, of the normal map, in the tangent frame (t, b, n)
@@ -79,9 +80,10 @@ struct ClosestPoint {
 
 class Surface {
  public:
-  // `texture` is a built-in name ("brick"; builtin_textures() lists them), a recipe (.toml, docs/materials.md),
-  // an image, or a folder that is searched for normal, height and colour maps by their usual names (PNG, JPEG,
-  // TGA, EXR). Errors name the file and what would be right. 0.1 to 0.5 s at 512 x 512.
+  // `texture` is a built-in name ("brick"; builtin_textures() lists them), a recipe (.toml,
+  // docs/materials.md), an image, or a folder that is searched for normal, height and colour maps by their
+  // usual names (PNG, JPEG, TGA, EXR). Errors name the file and what would be right. 0.1 to 0.5 s at 512 x
+  // 512.
   static Result<Surface> load(const std::filesystem::path& texture, const SurfaceOptions& options = {});
 
   // From heights in metres, row by row from v = 0 (the bottom of an image), width x height of them; the
@@ -90,7 +92,8 @@ class Surface {
   static Result<Surface> from_heights(int width, int height, std::span<const float> heights,
                                       const SurfaceOptions& options = {});
 
-  // What import found: conventions, implied depth, warnings; a line each. notes() and warnings() are its parts.
+  // The findings of import: conventions, implied depth, warnings; a line each. notes() and warnings() are its
+  // parts.
   std::string import_report() const;
   const std::vector<std::string>& notes() const;
   const std::vector<std::string>& warnings() const;
@@ -106,8 +109,8 @@ class Surface {
   Image8 colour() const;   // RGB, row 0 at the bottom; 1 x 1 or empty without a colour map
   std::size_t memory_bytes() const;
 
-  // At uv. `footprint` is the diameter, in metres, of what touches there (a tip, a ball's contact, a pixel): the
-  // texture is averaged over it.
+  // At uv. `footprint` is the diameter, in metres, of what touches there (a tip, a ball's contact, a pixel):
+  // the texture is averaged over it.
   double height(const Vec2& uv, double footprint = 0) const;
   Vec2 slope(const Vec2& uv, double footprint = 0) const;
   Vec3 normal(const Vec2& uv, double footprint = 0) const;  // world, of the normal map
@@ -121,8 +124,8 @@ class Surface {
   // The first point of the relief on a ray, exact, within the rectangle. `direction` of any length but 0.
   std::optional<RayHit> ray(const Vec3& origin, const Vec3& direction,
                             double t_max = std::numeric_limits<double>::infinity()) const;
-  // The nearest point of the relief, exact; the relief goes on beyond the rectangle as `edge` says. Absent only
-  // when the point is not finite.
+  // The nearest point of the relief, exact; the relief goes on beyond the rectangle as `edge` says. Absent
+  // only when the point is not finite.
   std::optional<ClosestPoint> closest(const Vec3& point) const;
 
   struct Impl;  // of the library

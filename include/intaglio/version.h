@@ -1,7 +1,8 @@
 // The version of the library. CMakeLists.txt reads it here.
 //
-// Until 1.0 a minor version may change what its headers declare (CHANGELOG.md says what); a patch version never does.
-// From 1.0 on only a major version may. Shared libraries carry the number of their binary interface in their names.
+// Until 1.0 a minor version may change what its headers declare (CHANGELOG.md says what); a patch version
+// never does. From 1.0 on only a major version may. Shared libraries carry the number of their binary
+// interface in their names.
 #pragma once
 
 #define INTAGLIO_VERSION_MAJOR 0

@@ -2,9 +2,9 @@
 //
 //   auto pen = intaglio::open_vrpn("Phantom0@localhost");      // then a ServoLoop, haptics.h
 //
-// The device has a thread of its own, which dials, pings, redials a second after a loss, and talks to the socket.
-// A link that is lost counts as silence, so that the guard goes to zero; when ticks stop, the far device is told to
-// let go.
+// The device has a thread of its own, which dials, pings, redials a second after a loss, and talks to the
+// socket. A link that is lost counts as silence, so that the guard goes to zero; when ticks stop, the far
+// device is told to let go.
 #pragma once
 
 #include <string>
@@ -24,14 +24,14 @@ enum class VrpnForce {
 struct VrpnOptions {
   VrpnForce force = VrpnForce::field;
   double plane_stiffness = 800, plane_damping = 1;       // N/m and N s/m, of VrpnForce::plane
-  double stiffness_unit = 1000, damping_unit = 1000;     // what one of the far driver's units is, N/m and N s/m
+  double stiffness_unit = 1000, damping_unit = 1000;     // N/m and N s/m, of one unit of the far driver
   int sensor = 0;
   double wait = 3;         // s, for the device to answer
   double silence = 0.040;  // s without a word, then the link counts as lost
 };
 
-// `address` as VRPN writes it: NAME@HOST, NAME@HOST:PORT, NAME@tcp://HOST:PORT. Errors: an address that cannot be
-// read, no answer within `wait`, and why.
+// `address` as VRPN writes it: NAME@HOST, NAME@HOST:PORT, NAME@tcp://HOST:PORT. Errors: an address that
+// cannot be read, no answer within `wait`, and why.
 Result<Device> open_vrpn(const std::string& address, const VrpnOptions& options = {});
 
 }  // namespace intaglio

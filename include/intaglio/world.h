@@ -5,11 +5,11 @@
 //   world.run(2.0);
 //   for (const intaglio::ContactEvent& e : world.events()) ...     // examples/ball_on_brick.cpp
 //
-// Fixed steps and deterministic: the same bodies and steps give the same motion and events, to the bit, on every
-// machine. A World runs on one thread at a time; what it is given (surfaces, shapes) is shared and immutable.
-// SI units, world frame. Computed by Bullet in 32-bit floats: keep the scene within some metres of the origin.
-// A body that moves farther than a texel in a step makes the world take smaller steps inside. Cost of a step:
-// about 3 us a body, and its contacts (docs/contact-bench.md).
+// Fixed steps and deterministic: the same bodies and steps give the same motion and events, to the bit, on
+// every machine. A World runs on one thread at a time; what it is given (surfaces, shapes) is shared and
+// immutable. SI units, world frame. Computed by Bullet in 32-bit floats: keep the scene within some metres of
+// the origin. A body that moves farther than a texel in a step makes the world take smaller steps inside.
+// Cost of a step: about 3 us a body, and its contacts (docs/contact-bench.md).
 #pragma once
 
 #include <limits>
@@ -31,9 +31,10 @@
 namespace intaglio {
 
 struct WorldOptions {
-  std::variant<Surface, CurvedSurface> floor;  // what BodyId 0 is; on a curved one the relief is below its base
+  std::variant<Surface, CurvedSurface> floor;  // BodyId 0; a curved one has its relief below its base
   std::optional<MaterialChoice> floor_material = {};  // unset: the texture's own
-  Representation representation = Representation::relief;  // of rectangles; curved bases are bare in the others
+  // Of rectangles; curved bases are bare in the others.
+  Representation representation = Representation::relief;
   ContactMethod method = ContactMethod::closest;
   NormalMethod normal_method = NormalMethod::implied;
   Vec3 gravity = Vec3(0, -9.81, 0);  // m/s^2
@@ -50,8 +51,8 @@ enum class Motion {
   driven,  // where World::drive() puts it, whatever it meets: a flipper
 };
 
-// A solid body of uniform density. A textured one has reliefs in the shape's frame: `faces` are rectangles on the
-// sides of a Box, into which their relief goes; a `skin` (closed) is met in place of the shape.
+// A solid body of uniform density. A textured one has reliefs in the shape's frame: `faces` are rectangles on
+// the sides of a Box, into which their relief goes; a `skin` (closed) is met in place of the shape.
 struct BodyOptions {
   MaterialChoice material = "plastic";
   Vec3 position = Vec3::Zero();          // m, of the shape's origin
@@ -69,7 +70,7 @@ struct GroundOptions {
   double thickness = std::numeric_limits<double>::infinity();
 };
 
-// What World::status() adds to the bits of contact_status.
+// Bits that World::status() adds to those of contact_status.
 namespace body_status {
 inline constexpr unsigned not_simulated = 1u << 16;  // stays where it was put: no size, not finite, or lost
 inline constexpr unsigned slowed = 1u << 17;         // was faster than contacts can be foreseen
@@ -83,8 +84,8 @@ class World {
   World& operator=(World&&) noexcept;
   ~World();
 
-  // Bodies are numbered from 1. Errors: a material that is not known, a shape without size, numbers that are not
-  // finite, faces on another shape than a Box, an open skin.
+  // Bodies are numbered from 1. Errors: a material that is not known, a shape without size, numbers that are
+  // not finite, faces on another shape than a Box, an open skin.
   Result<BodyId> add(const Shape& shape, const BodyOptions& options = {});
   // One more surface that does not move, where its pose (or mesh) says; numbered from first_surface_body.
   Result<BodyId> add_ground(const Surface& surface, const GroundOptions& options = {});
@@ -107,8 +108,8 @@ class World {
   void drive(BodyId body, const Pose& pose);
 
   std::size_t body_count() const;
-  // Where to draw the body. Over a normal map with NormalMethod::implied that is on the flat floor, while it is
-  // simulated on the implied relief; everywhere else both poses are the same.
+  // Where to draw the body. Over a normal map with NormalMethod::implied that is on the flat floor, while it
+  // is simulated on the implied relief; everywhere else both poses are the same.
   Pose pose(BodyId body) const;
   Pose simulated_pose(BodyId body) const;
   Vec3 velocity(BodyId body) const;          // m/s
@@ -116,8 +117,8 @@ class World {
   double mass(BodyId body) const;            // kg
   // Bits of contact_status and body_status as of the last step.
   unsigned status(BodyId body) const;
-  // The worst disagreement so far between the momentum that a body gained in a step and the impulses reported for
-  // it (Eq. 1.1) plus gravity's, N s: rounding only, when no contact is lost or counted twice.
+  // The worst disagreement so far between the momentum that a body gained in a step and the impulses reported
+  // for it (Eq. 1.1) plus gravity's, N s: rounding only, when no contact is lost or counted twice.
   double momentum_residual() const;
 
  private:

@@ -1,4 +1,4 @@
-// What is behind intaglio::CurvedSurface (include/intaglio/mesh.h), for the libraries that are handed one.
+// Implementation of intaglio::CurvedSurface (include/intaglio/mesh.h), for the libraries that are handed one.
 #pragma once
 
 #include "intaglio/mesh.h"

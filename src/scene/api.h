@@ -1,4 +1,4 @@
-// What is behind intaglio::Scene (include/intaglio/scene.h), for the libraries that are handed one.
+// Implementation of intaglio::Scene (include/intaglio/scene.h), for the libraries that are handed one.
 #pragma once
 
 #include "intaglio/scene.h"

@@ -1,4 +1,4 @@
-// What is behind intaglio::Recording (include/intaglio/session.h), for the libraries that are handed one.
+// Implementation of intaglio::Recording (include/intaglio/session.h), for the libraries that are handed one.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,4 @@
-// What is behind intaglio::Surface (include/intaglio/surface.h), for the libraries that are handed one.
+// Implementation of intaglio::Surface (include/intaglio/surface.h), for the libraries that are handed one.
 #pragma once
 
 #include <memory>
