@@ -27,7 +27,8 @@ int main() {
   // a ball of 20 cm, 3 mm deep; load_mesh() reads your own meshes. And a floor.
   using namespace intaglio;
   const auto bowl = CurvedSurface::load("brick", repeated(bowl_mesh(1, 128, 64), {4, 1}), {.depth = 0.01});
-  const auto ball = CurvedSurface::load("brick", repeated(sphere_mesh(0.2, 96, 48), {2, 1}), {.depth = 0.003});
+  const auto ball =
+      CurvedSurface::load("brick", repeated(sphere_mesh(0.2, 96, 48), {2, 1}), {.depth = 0.003});
   const auto ground = Surface::load("brick", {.size = {2, 2}, .depth = 0.01});
   if (!bowl || !ball || !ground) {
     std::cerr << (!bowl ? bowl.error() : !ball ? ball.error() : ground.error()) << '\n';

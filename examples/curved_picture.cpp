@@ -20,15 +20,15 @@ Result<void> draw(const char* path) {
   auto renderer = Renderer::headless(960, 540);
   if (!renderer) return tl::unexpected(renderer.error());
 
-  const auto picture =
-      renderer->draw({.surfaces = {*floor},
-                      .curved = {{.surface = *bowl, .pose = {Vec3(0.3, 0.2, 0.1)}},
-                                 {.surface = *column, .pose = {Vec3(-0.1, 0.25, -0.3)}},
-                                 {.surface = *ball,
-                                  .pose = {Vec3(-0.28, 0.12, 0.15), rotation(0.6, Vec3(0.3, 1, 0.2).normalized())},
-                                  .shadow_radius = 0.12}},
-                      .balls = {{.pose = {Vec3(0.3, 0.06, 0.1)}, .radius = 0.05}},
-                      .camera = {.eye = {0.25, 0.75, 1.1}, .target = {0, 0.1, 0}}});
+  const auto picture = renderer->draw(
+      {.surfaces = {*floor},
+       .curved = {{.surface = *bowl, .pose = {Vec3(0.3, 0.2, 0.1)}},
+                  {.surface = *column, .pose = {Vec3(-0.1, 0.25, -0.3)}},
+                  {.surface = *ball,
+                   .pose = {Vec3(-0.28, 0.12, 0.15), rotation(0.6, Vec3(0.3, 1, 0.2).normalized())},
+                   .shadow_radius = 0.12}},
+       .balls = {{.pose = {Vec3(0.3, 0.06, 0.1)}, .radius = 0.05}},
+       .camera = {.eye = {0.25, 0.75, 1.1}, .target = {0, 0.1, 0}}});
   if (!picture) return tl::unexpected(picture.error());
   return picture->save(path);
 }

@@ -27,10 +27,11 @@ int main(int argc, char** argv) {
     std::cerr << card.error() << '\n';
     return 1;
   }
-  auto sound = LiveSound::create({.sample_rate = double(card->sample_rate())},
-                                 {{.id = floor_body, .model = *slab_model, .surfaces = {wall}, .is_fixed = true},
-                                  {.id = ball, .model = *ball_model, .mass = world.mass(ball)}})
-                   .value();
+  auto sound =
+      LiveSound::create({.sample_rate = double(card->sample_rate())},
+                        {{.id = floor_body, .model = *slab_model, .surfaces = {wall}, .is_fixed = true},
+                         {.id = ball, .model = *ball_model, .mass = world.mass(ball)}})
+          .value();
   if (const auto started = card->start(sound); !started) {
     std::cerr << started.error() << '\n';
     return 1;

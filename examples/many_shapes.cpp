@@ -11,12 +11,14 @@ using namespace intaglio;
 int main() {
   const auto floor = Surface::load("pebbles", {.size = {3, 3}});
   const auto carved = CurvedSurface::load("pebbles", repeated(sphere_mesh(0.12), {2, 1}), {.depth = 0.004});
-  const auto hull = make_hull(std::vector<Vec3>{{0.1, 0, 0}, {-0.1, 0, 0}, {0, 0.1, 0}, {0, -0.1, 0}, {0, 0, 0.1}, {0, 0, -0.1}});
+  const auto hull = make_hull(
+      std::vector<Vec3>{{0.1, 0, 0}, {-0.1, 0, 0}, {0, 0.1, 0}, {0, -0.1, 0}, {0, 0, 0.1}, {0, 0, -0.1}});
   if (!floor || !carved || !hull) {
     std::cerr << (!floor ? floor.error() : !carved ? carved.error() : hull.error()) << '\n';
     return 1;
   }
-  const Compound dumb_bell = make_compound({{Sphere{0.07}, {Vec3(-0.12, 0, 0)}}, {Sphere{0.07}, {Vec3(0.12, 0, 0)}}});
+  const Compound dumb_bell =
+      make_compound({{Sphere{0.07}, {Vec3(-0.12, 0, 0)}}, {Sphere{0.07}, {Vec3(0.12, 0, 0)}}});
 
   auto world = World::create({.floor = *floor}).value();
   std::vector<Result<BodyId>> bodies = {

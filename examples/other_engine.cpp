@@ -17,7 +17,8 @@ int main() {
     std::cout << "centre at " << height << " m: " << touching.size() << " contacts\n";
     // With an engine: my_engine.add(c.point, c.normal, c.distance, c.feature)
     for (const intaglio::ContactPoint& c : touching)
-      std::cout << "  " << c.point.transpose() << "  normal " << c.normal.transpose() << "  gap " << c.distance << '\n';
+      std::cout << "  " << c.point.transpose() << "  normal " << c.normal.transpose() << "  gap "
+                << c.distance << '\n';
     if (touching.empty()) return 1;
   }
 }

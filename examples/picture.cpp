@@ -12,10 +12,10 @@ int main(int argc, char** argv) {
     std::cerr << (!wall ? wall.error() : renderer.error()) << '\n';
     return 1;
   }
-  const auto picture = renderer->draw({.surfaces = {*wall},
-                                       .balls = {{.pose = {{0, 0.2, 0}}, .radius = 0.2}},
-                                       .camera = {.eye = {0, 1, 2}}});
-  const auto saved = picture ? picture->save(argc > 1 ? argv[1] : "wall.png") : tl::unexpected(picture.error());
+  const auto picture = renderer->draw(
+      {.surfaces = {*wall}, .balls = {{.pose = {{0, 0.2, 0}}, .radius = 0.2}}, .camera = {.eye = {0, 1, 2}}});
+  const auto saved =
+      picture ? picture->save(argc > 1 ? argv[1] : "wall.png") : tl::unexpected(picture.error());
   if (!saved) {
     std::cerr << saved.error() << '\n';
     return 1;

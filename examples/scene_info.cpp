@@ -6,7 +6,8 @@
 #include <iostream>
 
 int main(int argc, char** argv) {
-  const auto scene = argc > 1 ? intaglio::Scene::load(argv[1]) : intaglio::Scene::parse("[surface]\n", "built in");
+  const auto scene =
+      argc > 1 ? intaglio::Scene::load(argv[1]) : intaglio::Scene::parse("[surface]\n", "built in");
   if (!scene) {
     std::cerr << scene.error() << '\n';
     return 1;

@@ -18,8 +18,9 @@ int main(int argc, char** argv) {
     std::cerr << model.error() << '\n';
     return 1;
   }
-  auto synth = intaglio::Synthesizer::create({.sample_rate = 48000}, {{.id = 1, .model = *model, .mass = model->mass()},
-                                                                      {.id = intaglio::floor_body, .is_fixed = true}});
+  auto synth = intaglio::Synthesizer::create(
+      {.sample_rate = 48000},
+      {{.id = 1, .model = *model, .mass = model->mass()}, {.id = intaglio::floor_body, .is_fixed = true}});
   if (!synth) {
     std::cerr << synth.error() << '\n';
     return 1;
@@ -35,6 +36,7 @@ int main(int argc, char** argv) {
   synth->render(samples);
   const auto loudest = std::max_element(samples.begin(), samples.end(),
                                         [](float a, float b) { return std::abs(a) < std::abs(b); });
-  std::cout << "peak " << std::abs(*loudest) << " Pa at 1 m, after " << double(loudest - samples.begin()) / 48000 << " s\n";
+  std::cout << "peak " << std::abs(*loudest) << " Pa at 1 m, after "
+            << double(loudest - samples.begin()) / 48000 << " s\n";
   return *loudest == 0 ? 1 : 0;
 }

@@ -27,7 +27,7 @@ struct BakeOptions {
   // m, of an element; unset: a quarter of the shortest wave that is wanted, of thin bodies a fifth.
   std::optional<double> element_size = {};
   int max_elements = 40'000;
-  double thickness = 0;  // m; above 0 a mesh is the middle surface of a shell, open or closed
+  double thickness = 0;   // m; above 0 a mesh is the middle surface of a shell, open or closed
   double merge_db = 0.5;  // modes that no listener tells apart become one, by so much a band at most; 0: none
   std::function<void(double done)> progress = {};  // 0..1, in the calling thread
 };
@@ -37,6 +37,7 @@ struct BakeOptions {
 Result<ModalModel> bake(const Shape& shape, const MaterialChoice& material, const BakeOptions& options = {});
 
 // Any mesh, also an unclean one, in metres. Errors: as above; a mesh that encloses nothing.
-Result<ModalModel> bake(const TriangleMesh& mesh, const MaterialChoice& material, const BakeOptions& options = {});
+Result<ModalModel> bake(const TriangleMesh& mesh, const MaterialChoice& material,
+                        const BakeOptions& options = {});
 
 }  // namespace intaglio

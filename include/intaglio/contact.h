@@ -28,7 +28,8 @@ struct ContactOptions {
   ContactMethod method = ContactMethod::closest;  // of a relief on a rectangle
 };
 
-ContactSet contacts(const Surface& surface, const Shape& body, const Pose& pose, const ContactOptions& options = {});
+ContactSet contacts(const Surface& surface, const Shape& body, const Pose& pose,
+                    const ContactOptions& options = {});
 
 // Relief always; the margin is limited to the mesh's size.
 ContactSet contacts(const CurvedSurface& surface, const Shape& body, const Pose& pose, double margin = 0.01);

@@ -16,7 +16,7 @@ struct ContactPoint {
   double distance = 0;          // gap; negative = penetration
   Vec2 uv = Vec2::Zero();       // on the texture, 0..1
   std::uint64_t feature = 0;    // names what touches what; the same from step to step while it is the same
-  int triangle = -1;  // of a curved base, below the point; -1 on a rectangle or beside the relief
+  int triangle = -1;            // of a curved base, below the point; -1 on a rectangle or beside the relief
   Vec3 weights = Vec3::Zero();  // of the triangle's corners
 };
 

@@ -1,8 +1,8 @@
 // Errors: values at the edges of the library (files, devices, networks, options).
 //
-// A function that can fail there returns Result<T>: a T, or an Error that reads as one line and says where, what is
-// wrong and what would be right. Nothing throws but std::bad_alloc. Misuse in code (an index out of range, a
-// null pointer) is an assert.
+// A function that can fail there returns Result<T>: a T, or an Error that reads as one line and says where,
+// what is wrong and what would be right. Nothing throws but std::bad_alloc. Misuse in code (an index out of
+// range, a null pointer) is an assert.
 //
 //   auto wall = intaglio::Surface::load("my_wall/");
 //   if (!wall) { std::cerr << wall.error() << '\n'; return 1; }

@@ -45,8 +45,8 @@ class DeviceDriver {
   // N, and N m about the grip, on the hand until the next call; torque is zero unless
   // GuardLimits::peak_torque is set.
   virtual void set_force(const Vec3& newtons, const Vec3& torque) = 0;
-  virtual std::optional<Quat> orientation() { return std::nullopt; }  // turns the pen from upright, where known
-  virtual double silent_for() const { return 0; }  // s since the device was last heard of
+  virtual std::optional<Quat> orientation() { return std::nullopt; }  // from upright, where known
+  virtual double silent_for() const { return 0; }                     // s since the device was last heard of
 };
 
 struct Waypoint {
@@ -86,13 +86,13 @@ struct GuardLimits {
 
 // Bits of TouchReport::guard.
 namespace guard_bits {
-inline constexpr std::uint32_t clamped = 1u << 0;   // larger than is allowed now
-inline constexpr std::uint32_t slewed = 1u << 1;    // changed faster than the slew rate
-inline constexpr std::uint32_t ramping = 1u << 2;   // within the ramp-in
-inline constexpr std::uint32_t fault = 1u << 3;     // latched: zero force until rearm()
+inline constexpr std::uint32_t clamped = 1u << 0;            // larger than is allowed now
+inline constexpr std::uint32_t slewed = 1u << 1;             // changed faster than the slew rate
+inline constexpr std::uint32_t ramping = 1u << 2;            // within the ramp-in
+inline constexpr std::uint32_t fault = 1u << 3;              // latched: zero force until rearm()
 inline constexpr std::uint32_t thermally_limited = 1u << 4;  // clamped below the peak: the motors are warm
-inline constexpr std::uint32_t hand_too_fast = 1u << 5;  // over the velocity limit: force goes to zero
-inline constexpr std::uint32_t not_a_number = 1u << 6;  // and what latched the fault
+inline constexpr std::uint32_t hand_too_fast = 1u << 5;      // over the velocity limit: force goes to zero
+inline constexpr std::uint32_t not_a_number = 1u << 6;       // and what latched the fault
 inline constexpr std::uint32_t scene_stalled = 1u << 7;
 inline constexpr std::uint32_t link_lost = 1u << 8;
 inline constexpr std::uint32_t loop_stalled = 1u << 9;
@@ -106,24 +106,24 @@ enum class HapticMethod {
 
 // The pen in the hand.
 struct PenShape {
-  double length = 0.15;       // m, tip to end
-  double radius = 0.005;      // m, of the shaft
-  double tip_radius = 0.001;  // m: the tip feels the relief averaged over its diameter
-  double grip = 0.06;         // m from the tip: torque is about there
-  double shaft_stiffness = 0;  // N/m a metre of shaft, against the texture; 0: only the tip touches
+  double length = 0.15;                  // m, tip to end
+  double radius = 0.005;                 // m, of the shaft
+  double tip_radius = 0.001;             // m: the tip feels the relief averaged over its diameter
+  double grip = 0.06;                    // m from the tip: torque is about there
+  double shaft_stiffness = 0;            // N/m a metre of shaft, against the texture; 0: only the tip touches
   Vec3 direction = Vec3(0.25, 1, 0.35);  // from the tip up the shaft, where the device knows no orientation
 };
 
 struct TouchOptions {
-  Surface surface;                          // a rectangle
-  double stiffness = 600;                   // N/m, felt on flat ground
-  double damping = 1;                       // N s/m
-  double friction = 0.3;                    // Coulomb
+  Surface surface;         // a rectangle
+  double stiffness = 600;  // N/m, felt on flat ground
+  double damping = 1;      // N s/m
+  double friction = 0.3;   // Coulomb
   Representation representation = Representation::relief;
   HapticMethod method = HapticMethod::potential;
-  double rate = 1000;                       // Hz: 1000, 4000 or 8000
-  Vec3 workspace_origin = Vec3::Zero();     // m, where the device's origin is in the world
-  double workspace_scale = 1;               // world metres a device metre
+  double rate = 1000;                    // Hz: 1000, 4000 or 8000
+  Vec3 workspace_origin = Vec3::Zero();  // m, where the device's origin is in the world
+  double workspace_scale = 1;            // world metres a device metre
   PenShape pen = {};
   GuardLimits limits = {};
   double thickness = std::numeric_limits<double>::infinity();  // m, of the slab below the texture
@@ -149,12 +149,12 @@ struct TouchScene {
 // The newest tick.
 struct TouchReport {
   std::uint64_t ticks = 0;
-  double time = 0;              // s, on the loop's clock
-  Vec3 tip = Vec3::Zero();      // m, where the device is
+  double time = 0;                // s, on the loop's clock
+  Vec3 tip = Vec3::Zero();        // m, where the device is
   Vec3 shown_tip = Vec3::Zero();  // m, where to draw it: on the surface while it touches
-  Vec3 force = Vec3::Zero();    // N, on the hand
+  Vec3 force = Vec3::Zero();      // N, on the hand
   bool touching = false;
-  std::uint32_t guard = 0;      // guard_bits
+  std::uint32_t guard = 0;  // guard_bits
 };
 
 struct TouchTiming {

@@ -51,9 +51,7 @@ class MaterialChoice {
   MaterialChoice(const Material& values) : values_(values) {}
 
   // Errors: those of find_material.
-  Result<Material> material() const {
-    return values_ ? Result<Material>(*values_) : find_material(name_);
-  }
+  Result<Material> material() const { return values_ ? Result<Material>(*values_) : find_material(name_); }
 
  private:
   std::string name_;

@@ -5,8 +5,8 @@
 //   if (!bowl) { std::cerr << bowl.error() << '\n'; return 1; }      // examples/bullet_bowl.cpp
 //
 // The relief is height = -depth along the interpolated unit normal of the mesh. A handle to immutable data:
-// copies are cheap, every function may be called from any thread. docs/curved.md says what curved relief can and
-// cannot do, and what it costs. Lengths in metres; the mesh's coordinates are those of the answers.
+// copies are cheap, every function may be called from any thread. docs/curved.md says what curved relief can
+// and cannot do, and what it costs. Lengths in metres; the mesh's coordinates are those of the answers.
 #pragma once
 
 #include <filesystem>
@@ -47,7 +47,7 @@ class CurvedSurface {
   // The texture on its rectangle, which is the measure of u and v.
   const Surface& surface() const;
   const TriangleMesh& mesh() const;
-  Vec3 low() const;   // corners of the box that holds the relief
+  Vec3 low() const;  // corners of the box that holds the relief
   Vec3 high() const;
   double fold_depth() const;  // m, the greatest depth that folds nowhere on this mesh; may be infinite
 

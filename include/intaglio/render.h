@@ -28,8 +28,8 @@ namespace intaglio {
 struct Camera {
   Vec3 eye = Vec3(0, 0.6, 0.9);
   Vec3 target = Vec3::Zero();
-  Vec3 up = Vec3::UnitY();    // in the picture; -Z where it is along the view
-  double fov_y_degrees = 45;  // whole vertical angle
+  Vec3 up = Vec3::UnitY();       // in the picture; -Z where it is along the view
+  double fov_y_degrees = 45;     // whole vertical angle
   double near = 0.01, far = 50;  // m
 };
 

@@ -32,17 +32,17 @@ struct SimulateOptions {
 
 // Where everything is, for one picture.
 struct FrameState {
-  double time = 0;                 // s
-  std::vector<Pose> bodies;        // as drawn; of BodyIds 1, 2, ...
-  std::optional<Vec3> pen_tip;     // m
+  double time = 0;              // s
+  std::vector<Pose> bodies;     // as drawn; of BodyIds 1, 2, ...
+  std::optional<Vec3> pen_tip;  // m
 };
 
 // One tick of the pen, world frame.
 struct PenSample {
-  double time = 0;               // s
-  Vec3 tip = Vec3::Zero();       // m
-  Vec3 force = Vec3::Zero();     // N, on the hand
-  Vec3 n_s = Vec3::UnitY();      // normal of the map
+  double time = 0;            // s
+  Vec3 tip = Vec3::Zero();    // m
+  Vec3 force = Vec3::Zero();  // N, on the hand
+  Vec3 n_s = Vec3::UnitY();   // normal of the map
   Vec2 uv = Vec2::Zero();
   bool touching = false;
 };
@@ -51,14 +51,14 @@ struct PenSample {
 class Recording {
  public:
   const Scene& scene() const;
-  double duration() const;                         // s
-  std::span<const ContactEvent> events() const;    // in order of time
-  const std::vector<FrameState>& frames() const;   // one a picture
-  std::vector<PenSample> pen() const;              // one a servo tick; empty without a pen
-  std::span<const float> audio() const;            // -1..1, interleaved left and right, at the camera
-  int sample_rate() const;                         // Hz
-  const std::vector<std::string>& notes() const;   // what import found, a line each
-  double momentum_residual() const;                // N s (World::momentum_residual)
+  double duration() const;                        // s
+  std::span<const ContactEvent> events() const;   // in order of time
+  const std::vector<FrameState>& frames() const;  // one a picture
+  std::vector<PenSample> pen() const;             // one a servo tick; empty without a pen
+  std::span<const float> audio() const;           // -1..1, interleaved left and right, at the camera
+  int sample_rate() const;                        // Hz
+  const std::vector<std::string>& notes() const;  // what import found, a line each
+  double momentum_residual() const;               // N s (World::momentum_residual)
 
   std::uint64_t event_hash() const;
   std::uint64_t audio_hash() const;
@@ -68,7 +68,8 @@ class Recording {
   Result<void> save_audio(const std::filesystem::path& wav) const;
   Result<void> save_events(const std::filesystem::path& csv) const;
   // Draws the frames headless and encodes them with the sound: needs EGL, and ffmpeg on PATH.
-  Result<void> save_video(const std::filesystem::path& mp4, const std::function<void(double done)>& progress = {}) const;
+  Result<void> save_video(const std::filesystem::path& mp4,
+                          const std::function<void(double done)>& progress = {}) const;
 
   struct Impl;  // of the library
   explicit Recording(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
@@ -82,7 +83,7 @@ class Recording {
 Result<Recording> simulate(const Scene& scene, const SimulateOptions& options = {});
 
 struct LiveSessionOptions {
-  std::string audio = "default";      // as AudioOptions::device; "": no sound
+  std::string audio = "default";           // as AudioOptions::device; "": no sound
   std::filesystem::path model_cache = {};  // where baked models are kept; empty: nowhere
   double gain_db = 0;
 };
@@ -94,7 +95,7 @@ struct LiveSessionState {
   std::vector<Pose> bodies;  // as drawn; of BodyIds 1, 2, ...
   Vec3 pen_tip = Vec3::Zero(), pen_force = Vec3::Zero();  // m, N
   bool pen_touching = false;
-  bool has_sound = false;    // models are there and playing
+  bool has_sound = false;  // models are there and playing
 };
 
 // Physics, touch and sound of a scene, each on a thread of its own, in real time. All functions: one thread,
@@ -111,9 +112,9 @@ class LiveSession {
   void stop();
   LiveSessionState state();
   void pause(bool paused);
-  void step();                      // one physics step, while paused
-  void reset();                     // bodies go back to where they began
-  void lead_pen(const Vec3& tip);   // where the simulated hand wants the pen's tip, world metres
+  void step();                        // one physics step, while paused
+  void reset();                       // bodies go back to where they began
+  void lead_pen(const Vec3& tip);     // where the simulated hand wants the pen's tip, world metres
   void press(bool left, bool right);  // the keys of a scene with flippers
   // Holds a body at `grip` (its frame) and pulls that point to `target` (world); std::nullopt lets go.
   void drag(std::optional<BodyId> body, const Vec3& grip = Vec3::Zero(), const Vec3& target = Vec3::Zero());

@@ -46,8 +46,8 @@ class ModalModel {
   const Material& material() const;
   double mass() const;  // kg
   int modes() const;
-  double frequency(int mode) const;    // Hz, damped; ascending
-  double decay_time(int mode) const;   // s, T60
+  double frequency(int mode) const;   // Hz, damped; ascending
+  double decay_time(int mode) const;  // s, T60
   // How strongly an impulse along `direction` at a point of the surface, both in the body's frame, excites a
   // mode: kg^-1/2 a unit of impulse.
   double gain(int mode, const Vec3& point, const Vec3& direction) const;
@@ -63,15 +63,15 @@ class ModalModel {
 };
 
 struct SoundBody {
-  BodyId id = 0;                     // by which events name it
-  std::optional<ModalModel> model = {};  // unset: the body makes no sound, but what touches it does
+  BodyId id = 0;                                // by which events name it
+  std::optional<ModalModel> model = {};         // unset: the body makes no sound, but what touches it does
   std::optional<MaterialChoice> material = {};  // unset: the model's
-  double mass = 1;                   // kg
-  std::vector<Surface> surfaces = {};  // its textures, in the order by which events number them
-  bool is_fixed = false;             // its mass counts as infinite
+  double mass = 1;                              // kg
+  std::vector<Surface> surfaces = {};           // its textures, in the order by which events number them
+  bool is_fixed = false;                        // its mass counts as infinite
   // m, where it touches; flat by default. Relief adds its own curvature.
   double radius_of_curvature = std::numeric_limits<double>::infinity();
-  Pose rest_pose = {};               // until an event tells where it is
+  Pose rest_pose = {};  // until an event tells where it is
 };
 
 enum class MesoSource {
@@ -141,7 +141,7 @@ void to_full_scale(std::span<const float> pascals, std::span<float> out, double 
 struct LiveSoundOptions {
   double delay = 0.01;  // s, from an event to its sound; at least the time between two advance() calls
   double gain_db = 0;
-  int queue = 4096;     // events
+  int queue = 4096;  // events
 };
 
 struct LiveSoundStatus {

@@ -29,17 +29,17 @@
 
 namespace intaglio {
 
-enum class Edge { wrap, clamp };                  // beyond uv 0..1 the texture repeats, or its border goes on
-enum class GreenChannel { plus_y, minus_y };      // of a normal map: OpenGL's and glTF's way, or DirectX's
-enum class WhiteMeans { deep, high };             // of a depth or height map
+enum class Edge { wrap, clamp };              // beyond uv 0..1 the texture repeats, or its border goes on
+enum class GreenChannel { plus_y, minus_y };  // of a normal map: OpenGL's and glTF's way, or DirectX's
+enum class WhiteMeans { deep, high };         // of a depth or height map
 enum class ImportMode {
   fused,  // height and normals become one consistent field; normals alone are integrated to an implied height
   raw,    // the maps as they are, as in Sterling & Lin 2016: normals need not be those of the height
 };
 
 struct SurfaceOptions {
-  Vec2 size = Vec2(1, 1);       // m, of the whole texture along u and v
-  Pose pose = {};               // of the rectangle: its centre, and how it is turned from lying flat
+  Vec2 size = Vec2(1, 1);  // m, of the whole texture along u and v
+  Pose pose = {};          // of the rectangle: its centre, and how it is turned from lying flat
   // m, from the highest to the lowest texel; unset: what the texture implies.
   std::optional<double> depth = {};
   Edge edge = Edge::wrap;
@@ -65,8 +65,8 @@ struct SmoothHeight {
 };
 
 struct RayHit {
-  double t = 0;                // point = origin + t * direction
-  Vec3 point = Vec3::Zero();   // world
+  double t = 0;                 // point = origin + t * direction
+  Vec3 point = Vec3::Zero();    // world
   Vec3 normal = Vec3::UnitY();  // unit, world, of the relief there
   Vec2 uv = Vec2::Zero();
 };
@@ -100,8 +100,8 @@ class Surface {
   // The material of a built-in texture or recipe, else brick.
   const Material& material() const;
 
-  Vec2 size() const;   // m
-  Pose pose() const;   // of the rectangle
+  Vec2 size() const;     // m
+  Pose pose() const;     // of the rectangle
   double depth() const;  // m, of the deepest that the texture can say
   int texels_u() const;
   int texels_v() const;

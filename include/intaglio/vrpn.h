@@ -23,8 +23,8 @@ enum class VrpnForce {
 
 struct VrpnOptions {
   VrpnForce force = VrpnForce::field;
-  double plane_stiffness = 800, plane_damping = 1;       // N/m and N s/m, of VrpnForce::plane
-  double stiffness_unit = 1000, damping_unit = 1000;     // N/m and N s/m, of one unit of the far driver
+  double plane_stiffness = 800, plane_damping = 1;    // N/m and N s/m, of VrpnForce::plane
+  double stiffness_unit = 1000, damping_unit = 1000;  // N/m and N s/m, of one unit of the far driver
   int sensor = 0;
   double wait = 3;         // s, for the device to answer
   double silence = 0.040;  // s without a word, then the link counts as lost

@@ -31,7 +31,7 @@
 namespace intaglio {
 
 struct WorldOptions {
-  std::variant<Surface, CurvedSurface> floor;  // BodyId 0; a curved one has its relief below its base
+  std::variant<Surface, CurvedSurface> floor;         // BodyId 0; a curved one has its relief below its base
   std::optional<MaterialChoice> floor_material = {};  // unset: the texture's own
   // Of rectangles; curved bases are bare in the others.
   Representation representation = Representation::relief;
@@ -55,7 +55,7 @@ enum class Motion {
 // the sides of a Box, into which their relief goes; a `skin` (closed) is met in place of the shape.
 struct BodyOptions {
   MaterialChoice material = "plastic";
-  Vec3 position = Vec3::Zero();          // m, of the shape's origin
+  Vec3 position = Vec3::Zero();  // m, of the shape's origin
   Quat orientation = Quat::Identity();
   Vec3 velocity = Vec3::Zero();          // m/s, of the centre of mass
   Vec3 angular_velocity = Vec3::Zero();  // rad/s

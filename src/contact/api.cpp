@@ -1,11 +1,12 @@
+#include "mesh/api.h"
 #include "contact/curved_contacts.h"
 #include "contact/surface_contacts.h"
 #include "intaglio/contact.h"
-#include "mesh/api.h"
 
 namespace intaglio {
 
-ContactSet contacts(const Surface& surface, const Shape& body, const Pose& pose, const ContactOptions& options) {
+ContactSet contacts(const Surface& surface, const Shape& body, const Pose& pose,
+                    const ContactOptions& options) {
   const surface::Surface& relief = *surface.impl().surface;
   switch (options.representation) {
     case Representation::flat:

@@ -9,7 +9,8 @@
 namespace intaglio {
 
 Result<TriangleMesh> load_mesh(const std::filesystem::path& path, MeshUse use) {
-  return surface::read_mesh(path, use == MeshUse::texture ? surface::MeshUse::texture : surface::MeshUse::shape);
+  return surface::read_mesh(path,
+                            use == MeshUse::texture ? surface::MeshUse::texture : surface::MeshUse::shape);
 }
 
 TriangleMesh quad_mesh(const Vec2& size) {
@@ -81,7 +82,8 @@ Vec2 texture_size(const TriangleMesh& mesh) {
   double total_area = 0;
   for (const Triangle& t : mesh.triangles) {
     const auto at = [&](int k) { return std::size_t(t[std::size_t(k)]); };
-    const Vec3 ab = mesh.positions[at(1)] - mesh.positions[at(0)], ac = mesh.positions[at(2)] - mesh.positions[at(0)];
+    const Vec3 ab = mesh.positions[at(1)] - mesh.positions[at(0)],
+               ac = mesh.positions[at(2)] - mesh.positions[at(0)];
     const Vec2 u = mesh.uvs[at(1)] - mesh.uvs[at(0)], v = mesh.uvs[at(2)] - mesh.uvs[at(0)];
     const double twice = u.x() * v.y() - u.y() * v.x(), area = ab.cross(ac).norm();
     if (std::abs(twice) < 1e-12) continue;

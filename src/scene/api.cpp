@@ -24,7 +24,9 @@ Result<Scene> Scene::load(const std::filesystem::path& path) {
   return session::read_scene(path).map([](session::Scene scene) { return handle_of(std::move(scene)); });
 }
 Result<Scene> Scene::parse(std::string_view text, const std::string& name) {
-  return session::parse_scene(text, name).map([](session::Scene scene) { return handle_of(std::move(scene)); });
+  return session::parse_scene(text, name).map([](session::Scene scene) {
+    return handle_of(std::move(scene));
+  });
 }
 
 const std::string& Scene::title() const {
@@ -62,7 +64,8 @@ Scene Scene::with_picture(int width, int height, int fps) const {
 
 Result<Surface> Scene::floor() const {
   const session::SurfaceScene& from = impl_->scene.surface;
-  if (from.base) return fail(impl_->scene.name, "has a curved floor", "load its texture with CurvedSurface::load");
+  if (from.base)
+    return fail(impl_->scene.name, "has a curved floor", "load its texture with CurvedSurface::load");
   SurfaceOptions options;
   options.size = from.size;
   options.pose = {from.position, session::rotation_of(from.rotation)};

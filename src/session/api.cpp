@@ -121,7 +121,8 @@ Result<void> Recording::save_video(const std::filesystem::path& mp4,
   for (std::size_t k = 0; k < impl_->frames.size(); ++k) {
     const FrameState& frame = impl_->frames[k];
     const std::span<const Pose> bodies(frame.bodies);
-    const Image8 image = (*renderer)->draw(picture.frame(bodies.first(balls), bodies.subspan(balls), frame.pen_tip));
+    const Image8 image =
+        (*renderer)->draw(picture.frame(bodies.first(balls), bodies.subspan(balls), frame.pen_tip));
     if (const auto added = (*video)->add(image); !added) return added;
     if (progress) progress(double(k + 1) / double(impl_->frames.size()));
   }

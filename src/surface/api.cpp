@@ -45,7 +45,8 @@ surface::Slopes slopes_of(const surface::Field& height, const SurfaceOptions& op
   const double du = options.size.x() / grid.width, dv = options.size.y() / grid.height;
   surface::Slopes slopes{surface::Field(grid.width, grid.height), surface::Field(grid.width, grid.height)};
   const auto slope = [&](int i0, int j0, int i1, int j1, double distance) {
-    return float((double(height.value[grid.index(i1, j1)]) - double(height.value[grid.index(i0, j0)])) / distance);
+    return float((double(height.value[grid.index(i1, j1)]) - double(height.value[grid.index(i0, j0)])) /
+                 distance);
   };
   const auto steps = [&](int i, int n) {
     return options.edge == Edge::clamp ? std::max(1, (i > 0) + (i + 1 < n)) : 2;
@@ -195,15 +196,16 @@ std::optional<RayHit> Surface::ray(const Vec3& origin, const Vec3& direction, do
   const auto hit = surface::intersect(*impl_->surface, place.to_local(origin),
                                       place.direction_to_local(direction), 0, t_max);
   if (!hit) return std::nullopt;
-  return RayHit{hit->t, place.to_world(hit->point), place.direction_to_world(hit->normal), place.uv(hit->point)};
+  return RayHit{hit->t, place.to_world(hit->point), place.direction_to_world(hit->normal),
+                place.uv(hit->point)};
 }
 
 std::optional<ClosestPoint> Surface::closest(const Vec3& point) const {
   const surface::Placement& place = impl_->surface->placement();
   const auto found = surface::closest_point(*impl_->surface, place.to_local(point));
   if (!found) return std::nullopt;
-  return ClosestPoint{found->distance, place.to_world(found->point), place.direction_to_world(found->direction),
-                      place.uv(found->point)};
+  return ClosestPoint{found->distance, place.to_world(found->point),
+                      place.direction_to_world(found->direction), place.uv(found->point)};
 }
 
 std::vector<std::string> builtin_textures() {

@@ -18,13 +18,15 @@ std::vector<float> plane() {
   std::vector<float> heights;
   for (int j = 0; j < height; ++j)
     for (int i = 0; i < width; ++i)
-      heights.push_back(float(slope.x() * size.x() * (i + 0.5) / width + slope.y() * size.y() * (j + 0.5) / height));
+      heights.push_back(
+          float(slope.x() * size.x() * (i + 0.5) / width + slope.y() * size.y() * (j + 0.5) / height));
   return heights;
 }
 
 }  // namespace
 
-TEST_CASE("a surface from heights has these heights below the highest, and their slopes up to a border that is clamped") {
+TEST_CASE(
+    "a surface from heights has these heights below the highest, and their slopes up to a border that is clamped") {
   const std::vector<float> heights = plane();
   const auto surface = Surface::from_heights(width, height, heights, {.size = size, .edge = Edge::clamp});
   REQUIRE(surface);
@@ -33,7 +35,8 @@ TEST_CASE("a surface from heights has these heights below the highest, and their
   for (int j = 0; j < height; ++j) {
     for (int i = 0; i < width; ++i) {
       const Vec2 uv((i + 0.5) / width, (j + 0.5) / height);
-      CHECK(surface->height(uv) == doctest::Approx(double(heights[std::size_t(j * width + i)]) - top).epsilon(1e-5));
+      CHECK(surface->height(uv) ==
+            doctest::Approx(double(heights[std::size_t(j * width + i)]) - top).epsilon(1e-5));
       const Vec3 n = surface->normal(uv);  // u is +X, v is -Z
       CHECK(-n.x() / n.y() == doctest::Approx(slope.x()).epsilon(1e-3));
       CHECK(n.z() / n.y() == doctest::Approx(slope.y()).epsilon(1e-3));
@@ -43,7 +46,8 @@ TEST_CASE("a surface from heights has these heights below the highest, and their
 
 TEST_CASE("rays, closest points and points agree on where a placed surface is") {
   const Pose pose{Vec3(1, 2, 3), rotation(0.7, Vec3(1, 2, -1).normalized())};
-  const auto surface = Surface::from_heights(width, height, plane(), {.size = size, .pose = pose, .edge = Edge::clamp});
+  const auto surface =
+      Surface::from_heights(width, height, plane(), {.size = size, .pose = pose, .edge = Edge::clamp});
   REQUIRE(surface);
   const Vec2 uv(0.4, 0.6);
   const Vec3 on = surface->point(uv), up = pose.orientation * Vec3::UnitY();
