@@ -7,14 +7,16 @@
 //
 // The shape outlives its bodies, as Bullet's shapes do; it shares the surface. A surface lies where its pose
 // says in the shape's frame: leave the body's transform at the identity to have it there in the world. For a
-// moving body with a curved surface the mesh's origin is the centre of mass, and its axes should be principal.
+// moving body with a curved surface the mesh's origin is the centre of mass, and its axes should be
+// principal.
 //
 // Contacts are found anew in each step, ahead of the body and along its motion, so that a fast one does not
 // sink, and keep their impulses by feature for the solver's warm start. Friction, restitution and rolling
 // friction combine as Bullet's own do. Ray casts and contactTest work. Spheres, boxes, capsules, cylinders,
 // hulls, other convex shapes and compounds of them meet a surface, and surfaces meet each other where either
-// moves; what each meets, and how well: docs/dynamics.md. btSdfCollisionShape has the same type number: the two
-// cannot be in one world. One thread at a time, as Bullet itself. Keep the scene within some hundred metres.
+// moves; what each meets, and how well: docs/dynamics.md. btSdfCollisionShape has the same type number: the
+// two cannot be in one world. One thread at a time, as Bullet itself. Keep the scene within some hundred
+// metres.
 //
 // The only header of the library that includes Bullet; link intaglio::dynamics and Bullet.
 #pragma once
@@ -36,12 +38,12 @@ class TexturedShapeBase;  // of the library
 
 namespace intaglio::bullet {
 
-// Registers the collision algorithms of SurfaceShape with every kind of shape, in both orders of a pair, for steps
-// and for contactTest.
+// Registers the collision algorithms of SurfaceShape with every kind of shape, in both orders of a pair, for
+// steps and for contactTest.
 void enable(btCollisionDispatcher& dispatcher);
 
-// Whether a Bullet shape can touch a SurfaceShape; the error names the shape and the reason: neither convex nor a
-// compound of convex ones, or a hull without volume. One that cannot passes through it.
+// Whether a Bullet shape can touch a SurfaceShape; the error names the shape and the reason: neither convex
+// nor a compound of convex ones, or a hull without volume. One that cannot passes through it.
 Result<void> check(const btCollisionShape& shape);
 
 struct ShapeOptions {
@@ -60,7 +62,8 @@ class SurfaceShape : public btConcaveShape {
   SurfaceShape(const SurfaceShape&) = delete;
   SurfaceShape& operator=(const SurfaceShape&) = delete;
 
-  // Of a slab as thick as the relief is deep; of a closed mesh what it encloses, the diagonal only.
+  // A rectangle counts as a slab as thick as its relief is deep; a closed mesh as what it encloses, its
+  // diagonal only.
   void calculateLocalInertia(btScalar mass, btVector3& inertia) const override;
   void getAabb(const btTransform& transform, btVector3& low, btVector3& high) const override;
   void processAllTriangles(btTriangleCallback* callback, const btVector3& low,
