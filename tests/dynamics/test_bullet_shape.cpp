@@ -49,6 +49,7 @@ TEST_CASE("a hull keeps its volume to 1 % however many corners it has, and lies 
     CHECK(check_shape(hull));
 
     tests::PlainBullet bullet(scene::floor(64));
+    bullet.add(0, bullet.shape, {0, 0, 0});
     btRigidBody& body = bullet.add(1, hull, {0, btScalar(0.15), 0});
     bullet.run(2);
     CHECK(double(body.getWorldTransform().getOrigin().y()) > -0.08);
@@ -78,6 +79,7 @@ TEST_CASE("a Bullet shape that cannot touch textures is refused by name") {
   CHECK_FALSE(check_shape(compound));
 #ifdef NDEBUG
   tests::PlainBullet bullet(scene::floor(64));
+  bullet.add(0, bullet.shape, {0, 0, 0});
   bullet.add(1, flat, {0, btScalar(0.1), 0});
   bullet.run(0.1);
   CHECK(bullet.shape.status() == contact::status::no_size);
