@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <filesystem>
 #include <set>
 #include <thread>
@@ -78,9 +79,11 @@ TEST_CASE(
 
 namespace {
 
-// A floor that no folder has a model of, with so many modes that baking it takes seconds.
-Scene slow_scene() {
-  return parse_scene("[sound]\nmodes = 400\n[surface]\nsize = [0.731, 0.657]\n", "slow.toml").value();
+// A floor that no folder has a model of; baking 400 modes takes seconds.
+Scene slow_scene(int modes) {
+  return parse_scene("[sound]\nmodes = " + std::to_string(modes) + "\n[surface]\nsize = [0.731, 0.657]\n",
+                     "slow.toml")
+      .value();
 }
 
 std::ptrdiff_t threads() {
@@ -90,7 +93,7 @@ std::ptrdiff_t threads() {
 }  // namespace
 
 TEST_CASE("a baker is busy from the request on, and its end joins its thread amid a bake") {
-  const Scene scene = slow_scene();
+  const Scene scene = slow_scene(400);
   const SceneSurface surface = make_surface(scene).value();
   const std::ptrdiff_t before = threads();
   auto baker = std::make_unique<VoiceBaker>();
@@ -100,16 +103,17 @@ TEST_CASE("a baker is busy from the request on, and its end joins its thread ami
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   CHECK(baker->is_busy());
   CHECK_FALSE(baker->take(ticket));
-  const auto start = std::chrono::steady_clock::now();
+  // In processor time: on a busy machine the thread, of low priority, may wait for its turn.
+  const std::clock_t start = std::clock();
   baker.reset();
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  MESSAGE("stopped within " << took.count() << " s");
-  CHECK(took.count() < 2);
+  const double took = double(std::clock() - start) / CLOCKS_PER_SEC;
+  MESSAGE("stopped within " << took << " CPU-s");
+  CHECK(took < 1);
   CHECK(threads() == before);
 }
 
 TEST_CASE("a superseded request is dropped, and the newer one is answered") {
-  const Scene slow = slow_scene(), quick = small_scene();
+  const Scene slow = slow_scene(10), quick = small_scene();
   VoiceBaker baker;
   const std::uint64_t first = baker.request(slow, make_surface(slow).value(), "");
   const std::uint64_t second = baker.request(quick, make_surface(quick).value(), "");
