@@ -85,7 +85,8 @@ int all_kernels(const std::vector<Sense>& senses) {
 }
 
 int in_threads(const std::vector<Sense>& senses, int count) {
-  std::vector<std::string> out(std::size_t(count));
+  std::vector<std::string> out{};
+  out.resize(std::size_t(count));
   std::vector<std::thread> threads;
   for (std::string& all : out)
     threads.emplace_back([&] {

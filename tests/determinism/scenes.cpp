@@ -31,7 +31,7 @@ T demand(Result<T> result) {
 constexpr double depth = 0.02;  // m
 
 std::shared_ptr<const sound::ModalModel> model(int seed, double lowest, double mass) {
-  Random random(std::uint64_t(seed));
+  Random random{std::uint64_t(seed)};
   auto out = std::make_shared<sound::ModalModel>();
   out->name = "made by hand";
   out->material = demand(find_material("brick"));
