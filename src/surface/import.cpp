@@ -219,7 +219,7 @@ class Importer {
         report.rows_flipped = found.rows_flipped;
         report.implied_depth = found.implied_depth;
       } else {
-        warn(fmt::format("normals and height barely correlate ({:.2f}): do they describe the same surface?",
+        warn(fmt::format("normals and height barely agree (correlation {:.2f}): do they describe the same surface?",
                          found.correlation));
       }
     }

@@ -97,7 +97,7 @@ TEST_CASE("errors name the line, the key and a fix") {
       {"[profile]\nbevel = 0\n", "own.toml:2", "profile.bevel is 0"},
       {"[[layer]]\ndetail = \"noise\"\n\n[[layer]]\ndetail = \"noise\"\ncount = 3\n", "own.toml:6",
        "layer.count"},
-      {"[[layer]]\nfrequency = [1.5, 2]\n", "own.toml:2", "whole"},
+      {"[[layer]]\nfrequency = [1.5, 2]\n", "own.toml:2", "not an integer"},
       {"[[layer]]\nfrequency = [256, 256]\noctaves = 4\n", "own.toml:2", "512"},
       {"[[layer]]\npaint = [0, 0, 300]\n", "own.toml:2", "sRGB"},
       {"[[layer]]\ndetail = \"rivets\"\ncount = 1\n", "own.toml:3", "rivets"},
