@@ -65,6 +65,12 @@ Pose Drawn::simulated(const contact::Shape& shape, const Pose& drawn) const {
   return out;
 }
 
+Vec3 Drawn::velocity(const Vec3& simulated) const {
+  const surface::Placement& place = map_.placement();
+  const Vec3 local = place.direction_to_local(simulated);
+  return simulated - mean_slope_.dot(local.head<2>()) * place.n();
+}
+
 Vec3 Drawn::simulated_velocity(const Vec3& drawn) const {
   const surface::Placement& place = map_.placement();
   const Vec3 local = place.direction_to_local(drawn);

@@ -18,6 +18,7 @@ class Drawn {
   // Of a body that is on the relief.
   Pose pose(const contact::Shape& shape, const Pose& simulated) const;
   Vec3 point(const Vec3& simulated) const;
+  Vec3 velocity(const Vec3& simulated) const;
   // Back: where on the relief a body must be to be drawn so.
   Pose simulated(const contact::Shape& shape, const Pose& drawn) const;
   Vec3 simulated_velocity(const Vec3& drawn) const;

@@ -15,8 +15,6 @@ namespace {
 constexpr double bare_slack = 1e-3;
 // Of its size, how far from a skin the contacts of a step may lie by its end.
 constexpr double skin_slack = 0.1;
-// Triangles flatter than that have no direction along u and v.
-constexpr double least_area = 1e-4;
 
 // Impulse on body A at one contact over the last step, N s.
 Vec3 impulse_of(const btManifoldPoint& point) {
@@ -67,12 +65,7 @@ World::State::Texture World::State::curved_texture(const surface::ReliefMesh& re
   const surface::Surface& surface = relief.surface();
   met = {under->uv, at.orientation * under->n, normal};
   if (is_bare()) met.n_s = at.orientation * under->direction_to_world(surface.normal(under->uv));
-  met.sweep = Eigen::Matrix<double, 2, 3>::Zero();
-  const Eigen::Matrix2d stretch = relief.base().stretch(*under);
-  if (std::abs(stretch.determinant()) < least_area * stretch.squaredNorm()) return met;
-  Eigen::Matrix<double, 2, 3> along;
-  along << (at.orientation * under->t).transpose(), (at.orientation * under->b).transpose();
-  met.sweep = surface.placement().size().asDiagonal() * stretch.inverse() * along;
+  met.sweep = relief.sweep(*under, at.orientation);
   return met;
 }
 

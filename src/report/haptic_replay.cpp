@@ -59,7 +59,7 @@ Result<Replayed> replay(const haptics::HapticLog& log, const Scene& scene) {
   }
   const auto made = make_surface(scene);
   if (!made) return tl::unexpected(made.error());
-  haptics::PenServo servo(made->surface, pen_options(scene, made->material));
+  haptics::PenServo servo = PenLink(scene, *made, scene.surface.representation).make_servo();
   haptics::ReplayDevice device(log.samples);
   haptics::SceneSnapshot at_rest;
   for (std::size_t tick = 0; !device.at_end(); ++tick) {

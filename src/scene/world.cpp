@@ -51,6 +51,10 @@ bool SceneWorld::is_free(BodyId id) const {
   return id <= balls_.size() || bodies_[id - balls_.size() - 1].body.motion == dynamics::Motion::free;
 }
 
+double SceneWorld::mass(BodyId id) const {
+  return id <= balls_.size() ? balls_[id - 1].mass() : bodies_[id - balls_.size() - 1].body.mass();
+}
+
 void SceneWorld::step(unsigned keys) {
   turn_flippers(keys);
   world_.step();
@@ -108,7 +112,7 @@ void SceneWorld::follow(const SceneWorld& other) {
   for (std::size_t k = 0; k < std::min(count(), other.count()); ++k) {
     const auto id = static_cast<BodyId>(k + 1);
     if (is_free(id) && other.is_free(id))
-      world_.put(id, other.pose(k), other.world_.velocity(id), other.world_.angular_velocity(id));
+      world_.put(id, other.pose(k), other.world_.drawn_velocity(id), other.world_.angular_velocity(id));
   }
 }
 

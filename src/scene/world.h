@@ -33,6 +33,7 @@ class SceneWorld {
   // As drawn: balls, then bodies.
   Pose pose(std::size_t k) const { return world_.drawn_pose(static_cast<BodyId>(k + 1)); }
   bool is_free(BodyId id) const;
+  double mass(BodyId id) const;  // kg
 
   // Takes over where bodies are and how they move from the same scene's world of another kind.
   void follow(const SceneWorld& other);

@@ -67,34 +67,8 @@ Scene with_pen(Scene scene) {
   return scene;
 }
 
-haptics::ServoOptions servo_options(const Scene& scene, const Material& floor, bool feels) {
-  haptics::ServoOptions options = pen_options(scene, floor);
-  if (!feels) options.representation = Representation::flat;
-  return options;
-}
-
-// What the pen meets: the floor, or the floor and all grounds as one.
-haptics::PenServo make_servo(const Scene& scene, const SceneSurface& surface, bool feels) {
-  const haptics::ServoOptions options = servo_options(scene, surface.material, feels);
-  // The paper's planes are made of one surface.
-  if (surface.grounds.empty() || options.method == haptics::HapticMethod::plane)
-    return {surface.surface, options};
-  auto solid = std::make_shared<UnionSolid>();
-  const double footprint = 2 * options.pen.tip_radius;
-  solid->add(std::make_unique<haptics::TexturedSlab>(
-      surface.surface, haptics::SolidOptions{options.representation, footprint, scene.surface.thickness}));
-  for (std::size_t k = 0; k < surface.grounds.size(); ++k) {
-    const SceneSurface& ground = surface.grounds[k];
-    const double thickness = scene.grounds[k].thickness;
-    const haptics::SolidOptions felt{options.representation, footprint, thickness};
-    if (ground.curved) {
-      solid->add(
-          std::make_unique<haptics::TexturedMesh>(ground.surface, ground.curved->base(), thickness, felt));
-    } else {
-      solid->add(std::make_unique<haptics::TexturedSlab>(ground.surface, felt));
-    }
-  }
-  return {surface.surface, solid, options};
+Representation taken(const Scene& scene, bool takes_texture) {
+  return takes_texture ? scene.surface.representation : Representation::flat;
 }
 
 }  // namespace
@@ -116,7 +90,8 @@ LiveSession::LiveSession(const Scene& scene, const SceneSurface& surface, const 
     : scene_(with_pen(scene)),
       surface_(surface),
       options_(options),
-      world_(scene_, surface, options.moves ? scene.surface.representation : Representation::flat),
+      loop_(scene_, surface, taken(scene, options.moves), taken(scene, options.feels),
+            [this](const ContactEvent& event) { emit(event); }),
       gain_db_(options.gain_db) {
   const PenScene& pen = *scene_.pen;
   if (device == nullptr) {
@@ -125,9 +100,8 @@ LiveSession::LiveSession(const Scene& scene, const SceneSurface& surface, const 
     mouse_ = std::make_unique<MouseDevice>(pen.device, pen.hand, pen.workspace.to_device(above));
     device = mouse_.get();
   }
-  servo_ = std::make_unique<haptics::ServoLoop>(make_servo(scene_, surface, options.feels), *device);
-  pushed_.assign(std::min(scene_.balls.size(), haptics::most_balls), Vec3::Zero());
-  now_.bodies = std::min(world_.count(), most_live_bodies);
+  servo_ = std::make_unique<haptics::ServoLoop>(loop_.pen()->make_servo(), *device);
+  now_.bodies = std::min(loop_.world().count(), most_live_bodies);
   publish();
 }
 
@@ -147,7 +121,7 @@ LiveSession::~LiveSession() {
 void LiveSession::start(AudioTap* tap, VoiceBaker* baker) {
   if (running_.exchange(true)) return;
   publish();
-  exchange_with_pen();
+  exchange_with_pen(1);
   servo_->start();
   physics_ = std::thread([this] { run(); });
   if (tap == nullptr || baker == nullptr) return;
@@ -166,7 +140,7 @@ void LiveSession::stop() {
 
 Scene LiveSession::heard() const {
   Scene scene = scene_;
-  if (!options_.hears) scene.surface.representation = Representation::flat;
+  scene.surface.representation = taken(scene_, options_.hears);
   return scene;
 }
 
@@ -228,7 +202,7 @@ void LiveSession::run() {
     const double passed = std::chrono::duration<double>(now - before).count();
     before = now;
     if (controls.resets != resets_done_) {
-      world_.reset();
+      loop_.world().reset();
       resets_done_ = controls.resets;
     }
     if (controls.paused) {
@@ -246,7 +220,7 @@ void LiveSession::run() {
         step(controls);
       }
     }
-    exchange_with_pen();
+    exchange_with_pen(controls.paused ? 0 : controls.speed);
     publish();
     const double until = controls.paused ? 0.004 : std::clamp((dt - owed) / controls.speed, 0.0002, 0.004);
     std::this_thread::sleep_for(std::chrono::duration<double>(until));
@@ -255,93 +229,35 @@ void LiveSession::run() {
 
 void LiveSession::step(const Controls& controls) {
   const std::int64_t start = thread_cpu_ns();
-  exchange_with_pen();
-  drag(controls);
-  world_.step(controls.keys);
+  exchange_with_pen(controls.paused ? 0 : controls.speed);
+  loop_.step(&report_, controls);
   ++now_.steps;
-  tell_sound();
-  const double took = 1e-9 * static_cast<double>(thread_cpu_ns() - start);
+  loop_.emit_contacts();
+  loop_.emit_pen(report_, loop_.time(), 1.0 / scene_.physics.rate);
+  if (sound::LiveSound* sound = sound_.load(std::memory_order_acquire)) sound->advance(loop_.time());
+  const double took = 1e-9 * double(thread_cpu_ns() - start);
   now_.step_seconds += 0.02 * (took - now_.step_seconds);
 }
 
-// A spring from the point that is held to where it is wanted, critically damped for a body that turns little,
-// and no stronger than some times its weight.
-void LiveSession::drag(const Controls& controls) {
-  if (!world_.is_free(controls.dragged)) return;
-  dynamics::World& world = world_.world();
-  const std::size_t k = controls.dragged - 1;
-  const double mass =
-      k < scene_.balls.size() ? scene_.balls[k].mass() : scene_.bodies[k - scene_.balls.size()].body.mass();
-  constexpr double omega = 25;  // rad/s
-  const Vec3 point = world.drawn_pose(controls.dragged).to_world(controls.grip);
-  const Vec3 arm = point - world.drawn_pose(controls.dragged).position;
-  const Vec3 velocity =
-      world.velocity(controls.dragged) + world.angular_velocity(controls.dragged).cross(arm);
-  Vec3 force = mass * (omega * omega * (controls.pull_to - point) - 2 * omega * velocity);
-  const double most = 60 * mass * 9.81;
-  if (force.norm() > most) force *= most / force.norm();
-  world.push(controls.dragged, force / scene_.physics.rate, point);
-}
-
-void LiveSession::exchange_with_pen() {
+void LiveSession::exchange_with_pen(double speed) {
   report_ = servo_->latest();
   // No hand is held by a mouse: what a stalled scene made the guard let go of is taken again.
   if (mouse_ && (report_.guard_status & haptics::guard_status::fault) != 0) servo_->rearm();
-  dynamics::World& world = world_.world();
-  haptics::SceneSnapshot scene;
-  scene.ball_count = pushed_.size();
-  for (std::size_t k = 0; k < pushed_.size(); ++k) {
-    const BodyId id = world_.ball(k);
-    const Vec3& sum = report_.ball_impulse[k];
-    if (sum != pushed_[k]) world.push(id, sum - pushed_[k]);
-    pushed_[k] = sum;
-    scene.balls[k] = {world.pose(id).position, world.velocity(id), scene_.balls[k].radius};
-  }
-  servo_->publish(scene);
+  servo_->publish(loop_.snapshot(speed));
   now_.pen = report_;
 }
 
-// The pen's contact of this step, from the newest tick of touch.
-ContactEvent LiveSession::pen_event() {
-  const surface::Placement& place = surface_.surface->placement();
-  ContactEvent event;
-  event.time = world_.world().time();
-  event.duration = 1.0 / scene_.physics.rate;
-  event.body = world_.pen();
-  event.phase = !report_.touching ? ContactPhase::end
-                : pen_touching_   ? ContactPhase::persist
-                                  : ContactPhase::begin;
-  event.point = report_.proxy;
-  event.uv = place.uv(place.to_local(report_.proxy));
-  event.n_g = place.n();
-  event.n_s = surface_.surface->world_normal(event.uv);
-  const Vec3 velocity = (report_.proxy - pen_before_) / event.duration;
-  event.v_t = velocity - velocity.dot(event.n_g) * event.n_g;
-  event.impulse = report_.force * event.duration;
-  const Vec3 up = scene_.pen->direction.normalized();
-  event.body_pose = {report_.proxy + 0.5 * scene_.pen->length * up, rotation_onto(Vec3::UnitY(), up)};
-  return event;
-}
-
-void LiveSession::tell_sound() {
-  sound::LiveSound* sound = sound_.load(std::memory_order_acquire);
-  const auto tell = [&](const ContactEvent& event) {
-    if (sound != nullptr) sound->push(event);
-    if (event.phase == ContactPhase::end) return;
-    now_.mark[now_.marks++ % most_marks] = {
-        event.time, event.body,    event.other, event.phase == ContactPhase::begin, event.point, event.n_g,
-        event.n_s,  event.impulse, event.uv};
-  };
-  for (const ContactEvent& event : world_.world().events()) tell(event);
-  if (report_.touching || pen_touching_) tell(pen_event());
-  pen_touching_ = report_.touching;
-  pen_before_ = report_.proxy;
-  if (sound != nullptr) sound->advance(world_.world().time());
+void LiveSession::emit(const ContactEvent& event) {
+  if (sound::LiveSound* sound = sound_.load(std::memory_order_acquire)) sound->push(event);
+  if (event.phase == ContactPhase::end) return;
+  now_.mark[now_.marks++ % most_marks] = {
+      event.time, event.body,    event.other, event.phase == ContactPhase::begin, event.point, event.n_g,
+      event.n_s,  event.impulse, event.uv};
 }
 
 void LiveSession::publish() {
-  now_.time = world_.world().time();
-  for (std::size_t k = 0; k < now_.bodies; ++k) now_.pose[k] = world_.pose(k);
+  now_.time = loop_.time();
+  for (std::size_t k = 0; k < now_.bodies; ++k) now_.pose[k] = loop_.world().pose(k);
   state_.publish(now_);
 }
 

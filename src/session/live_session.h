@@ -16,11 +16,9 @@
 #include "core/event.h"
 #include "core/lock_free.h"
 #include "haptics/device.h"
-#include "haptics/pen.h"
-#include "haptics/proxy.h"
 #include "haptics/servo_loop.h"
 #include "scene/voices.h"
-#include "scene/world.h"
+#include "session/scene_loop.h"
 #include "sound/audio_device.h"
 #include "sound/live_sound.h"
 
@@ -28,15 +26,11 @@ namespace intaglio::session {
 
 inline constexpr std::size_t most_live_bodies = 256, most_marks = 64;
 
-struct Controls {
+struct Controls : StepInput {
   bool paused = false;
-  double speed = 1;             // simulated seconds a second, 0.01..1
-  std::uint64_t single = 0;     // steps asked for since the start, while paused
-  std::uint64_t resets = 0;     // asked for since the start
-  unsigned keys = 0;            // left_key, right_key of world.h
-  BodyId dragged = floor_body;  // the floor: none
-  Vec3 grip = Vec3::Zero();     // where it is held, in the body's frame
-  Vec3 pull_to = Vec3::Zero();  // m, where that point is wanted
+  double speed = 1;          // simulated seconds a second, 0.01..1
+  std::uint64_t single = 0;  // steps asked for since the start, while paused
+  std::uint64_t resets = 0;  // asked for since the start
 };
 
 // One contact of one step, to be drawn until it fades.
@@ -108,26 +102,6 @@ class AudioTap : public sound::AudioSource {
   std::atomic<std::uint64_t> lost_{0};
 };
 
-// Several textured slabs as one thing to touch: the pen meets whichever it is deepest in.
-//
-// The depth is the greatest of the slabs' depths: continuous, so that an energy made of it is one too; its
-// gradient is that of the deepest. A slab costs 0.1 us. Real-time; any thread.
-
-class UnionSolid : public haptics::Solid {
- public:
-  void add(std::unique_ptr<haptics::Solid> part) { parts_.push_back(std::move(part)); }
-
-  haptics::Penetration at(const Vec3& p) const override {
-    haptics::Penetration deepest{-1e9, -Vec3::UnitY()};
-    for (const auto& part : parts_)
-      if (const haptics::Penetration here = part->at(p); here.depth > deepest.depth) deepest = here;
-    return deepest;
-  }
-
- private:
-  std::vector<std::unique_ptr<haptics::Solid>> parts_;
-};
-
 // A scene that is alive: physics, touch and sound each in a thread of its own, in real time.
 //
 //   window ─ Controls ▶ physics thread ─ LiveState ▶ window        by core/latest slots
@@ -163,7 +137,7 @@ class LiveSession {
   ~LiveSession();
 
   // Bodies go on where `other`, a stopped session of the same scene, had them.
-  void follow(const LiveSession& other) { world_.follow(other.world_); }
+  void follow(const LiveSession& other) { loop_.world().follow(other.loop_.world()); }
   // Resets and single steps that `other`, a stopped session, has done are not asked of this one.
   void count_from(const LiveSession& other) {
     singles_done_ = other.singles_done_;
@@ -186,8 +160,7 @@ class LiveSession {
   const Scene& scene() const { return scene_; }
   const SceneSurface& surface() const { return surface_; }
   const LiveOptions& options() const { return options_; }
-  bool is_free(BodyId id) const { return world_.is_free(id); }
-  BodyId pen_id() const { return world_.pen(); }
+  bool is_free(BodyId id) const { return loop_.world().is_free(id); }
   haptics::ServoLoop& servo() { return *servo_; }
   // Of physics: how late a step was begun.
   const haptics::Lateness& lateness() const { return lateness_; }
@@ -204,22 +177,17 @@ class LiveSession {
   Scene heard() const;
   void run();
   void step(const Controls& controls);
-  void drag(const Controls& controls);
-  void exchange_with_pen();
-  void tell_sound();
-  ContactEvent pen_event();
+  void exchange_with_pen(double speed);
+  void emit(const ContactEvent& event);
   void publish();
 
   Scene scene_;
   SceneSurface surface_;
   LiveOptions options_;
-  SceneWorld world_;
+  SceneLoop loop_;
   std::unique_ptr<MouseDevice> mouse_;
   std::unique_ptr<haptics::ServoLoop> servo_;
   haptics::ServoReport report_;  // the physics thread's newest
-  std::vector<Vec3> pushed_;
-  Vec3 pen_before_ = Vec3::Zero();
-  bool pen_touching_ = false;
 
   AudioTap* tap_ = nullptr;
   VoiceBaker* baker_ = nullptr;

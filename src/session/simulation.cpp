@@ -36,33 +36,13 @@ sound::Listener listener_of(const CameraScene& camera) {
   return {camera.eye, right.norm() > 0 ? Vec3(right.normalized()) : Vec3(Vec3::UnitX())};
 }
 
-haptics::ServoOptions pen_options(const Scene& scene, const Material& floor) {
-  const PenScene& pen = *scene.pen;
-  haptics::ServoOptions options;
-  options.representation = scene.surface.representation;
-  options.method = pen.method;
-  options.spring = pen.spring;
-  options.friction = std::sqrt(pen.material.friction * floor.friction);
-  options.passivity = pen.method == haptics::HapticMethod::potential;
-  options.limits = pen.limits;
-  options.workspace = pen.workspace;
-  options.pen.length = pen.length;
-  options.pen.radius = pen.radius;
-  options.pen.tip_radius = pen.tip_radius.value_or(0.001 * pen.workspace.scale);
-  options.spring.stiffness = haptics::felt_stiffness(floor, options.pen.tip_radius, pen.spring.stiffness);
-  options.pen.grip = 0.4 * pen.length;
-  options.pen.direction = pen.direction;
-  options.thickness = scene.surface.thickness;
-  options.rate = pen.device.rate;
-  return options;
-}
-
 Simulation::Simulation(const Scene& scene, const SceneSurface& surface)
     : scene_(scene),
       surface_(surface.surface),
       scene_surface_(surface),
       clock_({scene.physics.rate, servo_rate(scene), scene.sound.sample_rate, scene.video.fps}),
-      world_(scene, surface, scene.surface.representation),
+      loop_(scene, surface, scene.surface.representation, scene.surface.representation,
+            [this](const ContactEvent& event) { record(event); }),
       block_(2 * block_size) {
   recording_.title = scene.title;
   recording_.duration = scene.duration;
@@ -74,13 +54,12 @@ Simulation::Simulation(const Scene& scene, const SceneSurface& surface)
   recording_.surface = surface_;
   recording_.texture = scene.surface.texture;
   for (std::size_t k = 0; k < scene.balls.size(); ++k)
-    recording_.balls.push_back({world_.ball(k), scene.balls[k].radius, {}});
+    recording_.balls.push_back({loop_.world().ball(k), scene.balls[k].radius, {}});
   if (scene.pen) {
     device_.emplace(scene.pen->device, scene.pen->hand, device_path(*scene.pen));
-    servo_.emplace(surface_, pen_options(scene, surface.material));
+    servo_.emplace(loop_.pen()->make_servo());
     if (const auto warning = stability_of(*scene.pen)) recording_.warnings.push_back(*warning);
-    recording_.pen = world_.pen();
-    pushed_.assign(std::min(scene.balls.size(), haptics::most_balls), Vec3::Zero());
+    recording_.pen = loop_.world().pen();
   }
 }
 
@@ -130,10 +109,9 @@ Snapshot Simulation::advance_to_frame(std::int64_t index) {
   run_until(clock_.due(index, scene_.video.fps));
   Snapshot snapshot;
   snapshot.time = clock_.seconds(clock_.due(index, scene_.video.fps));
-  for (const BallTrack& ball : recording_.balls)
-    snapshot.balls.push_back(world_.world().drawn_pose(ball.body));
-  for (std::size_t k = 0; k < scene_.bodies.size(); ++k)
-    snapshot.bodies.push_back(world_.world().drawn_pose(world_.body(k)));
+  const SceneWorld& world = loop_.world();
+  for (std::size_t k = 0; k < world.count(); ++k)
+    (k < scene_.balls.size() ? snapshot.balls : snapshot.bodies).push_back(world.pose(k));
   if (!recording_.servo.empty()) snapshot.pen_tip = recording_.servo.back().proxy;
   return snapshot;
 }
@@ -151,7 +129,7 @@ void Simulation::finish() {
   audio.add(std::span<const float>(stereo));
   recording_.audio_hash = audio.value();
   recording_.event_hash = event_hash_.value();
-  recording_.momentum_residual = world_.world().momentum_residual();
+  recording_.momentum_residual = loop_.world().world().momentum_residual();
   recording_.surface_bytes = surface_->memory_bytes();
   recording_.costs = {
       physics_cost_.summary(
@@ -184,37 +162,17 @@ void Simulation::record(const ContactEvent& event) {
 }
 
 void Simulation::step_physics() {
-  if (servo_) {
-    // What the pen has pushed since the last step.
-    for (std::size_t k = 0; k < pushed_.size(); ++k) {
-      const Vec3& sum = servo_->report().ball_impulse[k];
-      if (sum != pushed_[k]) world_.world().push(recording_.balls[k].body, sum - pushed_[k]);
-      pushed_[k] = sum;
-    }
-  }
-  physics_cost_.measure([&] { world_.step(); });
+  physics_cost_.measure([&] { loop_.step(servo_ ? &servo_->report() : nullptr); });
   ++physics_done_;
-  for (const ContactEvent& event : world_.world().events()) record(event);
-  for (BallTrack& ball : recording_.balls)
-    ball.position.push_back(world_.world().drawn_pose(ball.body).position);
-}
-
-haptics::SceneSnapshot Simulation::scene_snapshot() const {
-  haptics::SceneSnapshot scene;
-  scene.time = world_.world().time();
-  scene.ball_count = pushed_.size();
-  for (std::size_t k = 0; k < pushed_.size(); ++k) {
-    const BallTrack& ball = recording_.balls[k];
-    scene.balls[k] = {world_.world().pose(ball.body).position, world_.world().velocity(ball.body),
-                      ball.radius};
-  }
-  return scene;
+  loop_.emit_contacts();
+  for (std::size_t k = 0; k < recording_.balls.size(); ++k)
+    recording_.balls[k].position.push_back(loop_.world().pose(k).position);
 }
 
 void Simulation::step_servo() {
   haptics::ServoSample sample;
-  haptics::SceneSnapshot scene = scene_snapshot();
-  const double time = static_cast<double>(servo_done_) / recording_.servo_rate;
+  haptics::SceneSnapshot scene = loop_.snapshot();
+  const double time = double(servo_done_) / recording_.servo_rate;
   // Physics may be slower than the guard's patience with live scenes: here the scene never stalls.
   for (haptics::SceneBall& ball : scene.balls) ball.position += (time - scene.time) * ball.velocity;
   scene.time = time;
@@ -222,33 +180,7 @@ void Simulation::step_servo() {
   device_->advance(1.0 / recording_.servo_rate);
   ++servo_done_;
   recording_.servo.push_back(sample);
-  if (sample.touching || pen_touching_)
-    record(pen_event(sample, static_cast<double>(servo_done_) / recording_.servo_rate));
-  pen_touching_ = sample.touching;
-}
-
-Pose Simulation::pen_pose(const Vec3& tip) const {
-  const Vec3 up = scene_.pen->direction.normalized();
-  return {tip + 0.5 * scene_.pen->length * up, rotation_onto(Vec3::UnitY(), up)};
-}
-
-ContactEvent Simulation::pen_event(const haptics::ServoSample& sample, double time) const {
-  const Vec3 n_g = surface_->placement().n();
-  ContactEvent event;
-  event.time = time;
-  event.body = recording_.pen;
-  event.phase = !sample.touching ? ContactPhase::end
-                : pen_touching_  ? ContactPhase::persist
-                                 : ContactPhase::begin;
-  event.point = sample.proxy;
-  event.uv = sample.uv;
-  event.n_g = n_g;
-  event.n_s = sample.n_s;
-  event.v_t = sample.velocity - sample.velocity.dot(n_g) * n_g;
-  event.duration = 1.0 / recording_.servo_rate;
-  event.impulse = sample.force * event.duration;
-  event.body_pose = pen_pose(sample.proxy);
-  return event;
+  loop_.emit_pen(servo_->report(), double(servo_done_) / recording_.servo_rate, 1.0 / recording_.servo_rate);
 }
 
 void Simulation::step_sound() {

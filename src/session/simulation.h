@@ -13,7 +13,7 @@
 #include "core/error.h"
 #include "core/hash.h"
 #include "session/recording.h"
-#include "scene/world.h"
+#include "session/scene_loop.h"
 #include "scene/voices.h"
 #include "sound/synthesizer.h"
 
@@ -21,9 +21,6 @@ namespace intaglio::session {
 
 // Ears where the camera is.
 sound::Listener listener_of(const CameraScene& camera);
-
-// How the scene's pen is felt on a floor of that material. The scene has a pen.
-haptics::ServoOptions pen_options(const Scene& scene, const Material& floor);
 
 // Where everything is, for one picture.
 struct Snapshot {
@@ -51,25 +48,20 @@ class Simulation {
   void run_until(Ticks end);
   void step_physics();
   void step_servo();
-  haptics::SceneSnapshot scene_snapshot() const;
   void step_sound();
   void record(const ContactEvent& event);
-  Pose pen_pose(const Vec3& tip) const;
-  ContactEvent pen_event(const haptics::ServoSample& sample, double time) const;
 
   Scene scene_;
   std::shared_ptr<const surface::Surface> surface_;
   SceneSurface scene_surface_;
   Clock clock_;
-  SceneWorld world_;
+  SceneLoop loop_;
   std::optional<haptics::SimulatedDevice> device_;
   std::optional<haptics::PenServo> servo_;
   std::unique_ptr<sound::Synthesizer> synthesizer_;
   std::vector<float> block_;
 
   std::int64_t physics_done_ = 0, servo_done_ = 0, blocks_done_ = 0;
-  std::vector<Vec3> pushed_;  // N s, by the pen on each ball, already handed to the world
-  bool pen_touching_ = false;
   CostMeter physics_cost_, servo_cost_, sound_cost_;
   Hash event_hash_;
   Recording recording_;
