@@ -194,7 +194,7 @@ int run(const BakeArguments& options, const Common& common) {
     return report({options.mesh, "a spring-mass shell has a thickness", "give --thickness METRES"});
   const auto source = source_hash(options, *material);
   if (!source) return report(source.error());
-  session::Progress progress("bake", common.quiet);
+  Progress progress("bake", common.quiet);
   sound::ModeOptions modes = mode_options(options);
   progress.update(0.02, "filling the surface");
   const auto body = make_elements(options, *material, modes);
@@ -312,15 +312,15 @@ void add_bake(CLI::App& app, Common& common) {
 
 int bake_scene(const BakeArguments& arguments, const Common& common) {
   namespace fs = std::filesystem;
-  const auto scene = session::read_scene(arguments.scene);
+  const auto scene = scene::read_scene(arguments.scene);
   if (!scene) return report(scene.error());
-  const auto surface = session::make_surface(*scene);
+  const auto surface = scene::make_surface(*scene);
   if (!surface) return report(surface.error());
   std::error_code error;
   fs::create_directories(arguments.output, error);
   if (error || !fs::is_directory(arguments.output))
     return report({arguments.output, "is not a folder, and cannot be made one", "give -o another name"});
-  const auto voices = session::bake_voices(*scene, *surface, {arguments.output, nullptr, ""});
+  const auto voices = scene::bake_voices(*scene, *surface, {arguments.output, nullptr, ""});
   if (!voices) return report(voices.error());
   nlohmann::json list = nlohmann::json::array();
   for (const std::string& model : voices->models) {

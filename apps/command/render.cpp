@@ -25,8 +25,8 @@ struct Options {
 };
 
 // The command line's wishes on top of the scene file's.
-void override_scene(const Options& options, session::Scene& scene) {
-  if (!options.texture.empty()) session::put_texture(scene.surface, options.texture);
+void override_scene(const Options& options, scene::Scene& scene) {
+  if (!options.texture.empty()) scene::put_texture(scene.surface, options.texture);
   if (options.representation == "flat") scene.surface.representation = Representation::flat;
   if (options.representation == "normal") scene.surface.representation = Representation::normal;
   if (options.representation == "relief") scene.surface.representation = Representation::relief;
@@ -53,13 +53,13 @@ void summarise(const session::Recording& recording, const std::string& output) {
 }
 
 int run(const Options& options, const Common& common) {
-  auto scene = session::read_scene(options.scene);
+  auto scene = scene::read_scene(options.scene);
   if (!scene) return report(scene.error());
   override_scene(options, *scene);
   std::signal(SIGINT, [](int) { interrupted = true; });
   std::signal(SIGTERM, [](int) { interrupted = true; });
   const auto recording =
-      session::render(*scene, {options.output, options.threads, common.quiet, &interrupted});
+      report::render(*scene, {options.output, options.threads, common.quiet, &interrupted});
   if (!recording) {
     const int code = report(recording.error());
     return interrupted ? 130 : code;

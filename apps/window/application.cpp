@@ -166,7 +166,7 @@ Result<Vec2> Application::seen_at(std::size_t body) {
 }
 
 void Application::begin_session() {
-  const session::Scene& scene = stage_.session()->scene();
+  const scene::Scene& scene = stage_.session()->scene();
   render::Camera camera;
   camera.eye = scene.camera.eye;
   camera.target = scene.camera.target;

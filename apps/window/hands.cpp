@@ -95,11 +95,11 @@ void Hands::key(int scancode, bool down, bool repeated, Settings& settings, Wish
       return;
     case SDL_SCANCODE_LEFT:
     case SDL_SCANCODE_Z:
-      flipper(session::left_key);
+      flipper(scene::left_key);
       return;
     case SDL_SCANCODE_RIGHT:
     case SDL_SCANCODE_SLASH:
-      flipper(session::right_key);
+      flipper(scene::right_key);
       return;
     default:
       break;
@@ -198,7 +198,7 @@ void Hands::lead_pen(session::LiveSession& session, const Projection& projection
   };
   if (at && !covers(*touched, *at) && !session.surface().grounds.empty()) at.reset();
   std::optional<PickedBase> curved;
-  for (const session::SceneSurface& ground : session.surface().grounds) {
+  for (const scene::SceneSurface& ground : session.surface().grounds) {
     if (ground.curved) {
       const auto there = pick_base(ground.curved->base().mesh(), projection.eye, projection.ray(place()));
       if (!there || (at && (*at - projection.eye).norm() < (there->point - projection.eye).norm())) continue;
@@ -267,8 +267,8 @@ unsigned Gamepad::shoulders() const {
   const auto pressed = [&](SDL_GameControllerButton b) {
     return SDL_GameControllerGetButton(controller_, b) != 0;
   };
-  return (pressed(SDL_CONTROLLER_BUTTON_LEFTSHOULDER) ? session::left_key : 0) |
-         (pressed(SDL_CONTROLLER_BUTTON_RIGHTSHOULDER) ? session::right_key : 0);
+  return (pressed(SDL_CONTROLLER_BUTTON_LEFTSHOULDER) ? scene::left_key : 0) |
+         (pressed(SDL_CONTROLLER_BUTTON_RIGHTSHOULDER) ? scene::right_key : 0);
 }
 
 Rumble rumble_of(const session::LiveState& state, std::uint64_t since) {

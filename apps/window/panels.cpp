@@ -34,7 +34,7 @@ void time_panel(Settings& settings, const session::LiveState& state, PanelAction
 }
 
 void surface_panel(Settings& settings, const session::LiveSession& session) {
-  const session::Scene& scene = session.scene();
+  const scene::Scene& scene = session.scene();
   if (!ImGui::CollapsingHeader("Surface", ImGuiTreeNodeFlags_DefaultOpen)) return;
   int chosen = static_cast<int>(scene.surface.representation);
   for (int k = 0; k < 3; ++k) {

@@ -44,7 +44,7 @@ namespace {
 Loaded load(LoadRequest request) {
   Loaded loaded;
   if (!request.surface) {
-    auto surface = session::make_surface(request.scene);
+    auto surface = scene::make_surface(request.scene);
     if (surface) {
       request.surface = std::move(*surface);
     } else {
@@ -130,7 +130,7 @@ Error no_answer(const std::string& device, const haptics::vrpn::VrpnDevice& pen)
 
 }  // namespace
 
-session::Scene with_settings(session::Scene scene, const Settings& settings) {
+scene::Scene with_settings(scene::Scene scene, const Settings& settings) {
   if (settings.representation >= 0)
     scene.surface.representation = static_cast<Representation>(std::min(settings.representation, 2));
   if (settings.depth >= 0) scene.surface.depth = settings.depth;
@@ -167,7 +167,7 @@ Stage::~Stage() {
   if (audio_) audio_->stop();
 }
 
-void Stage::ask(const session::Scene& scene, const Settings& settings, bool goes_on) {
+void Stage::ask(const scene::Scene& scene, const Settings& settings, bool goes_on) {
   LoadRequest request;
   request.scene = with_settings(scene, settings);
   request.options = {settings.moves,
@@ -192,7 +192,7 @@ void Stage::ask(const session::Scene& scene, const Settings& settings, bool goes
 
 Result<void> Stage::drop(const std::filesystem::path& file, const Settings& settings) {
   if (file.extension() == ".toml") {
-    auto scene = session::read_scene(file);
+    auto scene = scene::read_scene(file);
     if (scene) {
       scene_file_ = file;
       ask(*scene, settings, false);
@@ -205,8 +205,8 @@ Result<void> Stage::drop(const std::filesystem::path& file, const Settings& sett
             std::string_view::npos)
       return tl::unexpected(scene.error());
   }
-  session::Scene scene = base_;
-  session::put_texture(scene.surface, file.string());
+  scene::Scene scene = base_;
+  scene::put_texture(scene.surface, file.string());
   ask(scene, settings, false);
   return {};
 }
@@ -257,9 +257,9 @@ std::string Stage::keep_up(const Settings& settings, double now) {
   }
   if (asked_ && differ(settings, *asked_)) ask(asked_base_, settings, true);
   if (!watch_.has_changed(now) || loader_.is_busy()) return "";
-  session::Scene scene = base_;
+  scene::Scene scene = base_;
   if (!scene_file_.empty()) {
-    auto read = session::read_scene(scene_file_);
+    auto read = scene::read_scene(scene_file_);
     if (!read) return read.error().message();
     // A texture that was dropped stays.
     if (base_.name != scene_file_.string() || read->surface.texture == base_.surface.texture) scene = *read;
@@ -285,7 +285,7 @@ bool Stage::poll(std::string& message) {
   base_ = asked_base_;
   session_ = std::move(loaded->session);
   sessions_pen_ = std::move(loaded->request.device);
-  picture_ = std::make_unique<session::ScenePicture>(session_->scene(), session_->surface());
+  picture_ = std::make_unique<scene::ScenePicture>(session_->scene(), session_->surface());
   if (auto shown = show(); !shown) message = shown.error().message();
   session_->start(&tap_, &baker_);
   std::vector<std::filesystem::path> files;
@@ -300,7 +300,7 @@ bool Stage::poll(std::string& message) {
 
 Result<void> Stage::show() {
   if (!renderer_) return {};
-  auto parts = session::surface_parts(session_->scene(), session_->surface());
+  auto parts = scene::surface_parts(session_->scene(), session_->surface());
   for (render::SurfacePart& part : parts) part.mesh_cells = mesh_;
   return renderer_->show(parts);
 }
@@ -336,7 +336,7 @@ Result<void> Stage::draw(const render::Camera& camera, const Settings& settings,
     if (auto shown = show(); !shown) return shown;
   }
   const session::LiveState& state = session_->state();
-  const session::Scene& scene = session_->scene();
+  const scene::Scene& scene = session_->scene();
   const std::size_t balls = std::min(scene.balls.size(), state.bodies);
   const std::optional<Vec3> tip =
       settings.pen || sessions_pen_ ? std::optional<Vec3>(state.pen.proxy) : std::nullopt;

@@ -38,10 +38,10 @@ class FileWatch {
 // while it works, it makes what was asked for last. One thread (the window's).
 
 struct LoadRequest {
-  session::Scene scene;
+  scene::Scene scene;
   session::LiveOptions options;
   std::shared_ptr<haptics::Device> device;       // the pen's; none: the mouse
-  std::optional<session::SceneSurface> surface;  // when it is known already
+  std::optional<scene::SceneSurface> surface;    // when it is known already
   bool goes_on = false;                          // bodies go on where they are
 };
 
@@ -81,7 +81,7 @@ class Stage {
   ~Stage();
 
   // Loads a scene from its own file or as it is; the one that is on stays until the new one is there.
-  void ask(const session::Scene& scene, const Settings& settings, bool goes_on);
+  void ask(const scene::Scene& scene, const Settings& settings, bool goes_on);
   // A dropped file: a scene, or a texture for the floor. An error when it is neither.
   Result<void> drop(const std::filesystem::path& file, const Settings& settings);
   // Asks again when the settings or the watched files need it. What there is to say.
@@ -92,7 +92,7 @@ class Stage {
   bool poll(std::string& message);
 
   session::LiveSession* session() { return session_.get(); }
-  const session::Scene& scene() const { return base_; }  // as its file says
+  const scene::Scene& scene() const { return base_; }  // as its file says
   void set_scene_file(const std::filesystem::path& file) { scene_file_ = file; }
   // Draws with the shaders of this folder, and reads them again when they change.
   void set_shaders(const std::filesystem::path& folder);
@@ -113,27 +113,27 @@ class Stage {
   std::string keep_pen(const Settings& settings, double now);
 
   session::AudioTap tap_;
-  session::VoiceBaker baker_;
+  scene::VoiceBaker baker_;
   std::unique_ptr<sound::AudioDevice> audio_;
   std::shared_ptr<haptics::vrpn::VrpnDevice> pen_, dialled_;  // asked for, and not heard of yet
   std::shared_ptr<haptics::Device> sessions_pen_;             // of the session that is on
   std::string device_;                                        // what was asked for last
   double dialled_since_ = 0;
   Loader loader_;
-  session::Scene base_, asked_base_;  // what is on, and what was asked for
+  scene::Scene base_, asked_base_;    // what is on, and what was asked for
   std::optional<Settings> asked_;     // with which settings
   std::filesystem::path scene_file_;
   FileWatch watch_, shader_watch_;
   std::filesystem::path shaders_;
   bool wants_shaders_ = false;  // of the folder: not read yet by this renderer
   std::unique_ptr<session::LiveSession> session_;
-  std::unique_ptr<session::ScenePicture> picture_;
+  std::unique_ptr<scene::ScenePicture> picture_;
   std::unique_ptr<render::Renderer> renderer_;
   int picture_width_ = 0, picture_height_ = 0, samples_ = 0, mesh_ = 0;
   bool classic_ = false;
 };
 
 // The scene with what the panels changed.
-session::Scene with_settings(session::Scene scene, const Settings& settings);
+scene::Scene with_settings(scene::Scene scene, const Settings& settings);
 
 }  // namespace intaglio::window

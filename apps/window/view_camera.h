@@ -59,7 +59,7 @@ struct Picked {
 
 // The nearest body on the ray (`direction` unit). Balls exactly; other bodies by the balls or boxes that they
 // are made of.
-std::optional<Picked> pick_body(const session::Scene& scene, std::span<const Pose> poses, const Vec3& origin,
+std::optional<Picked> pick_body(const scene::Scene& scene, std::span<const Pose> poses, const Vec3& origin,
                                 const Vec3& direction);
 
 // Where the ray meets the floor's relief, or, beside the rectangle, its base plane.

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 
-namespace intaglio::session {
+namespace intaglio {
 
 using std::chrono::duration;
 using std::chrono::steady_clock;
@@ -47,4 +47,4 @@ void Progress::draw(double fraction, const std::string& detail) {
   std::fflush(stderr);
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio

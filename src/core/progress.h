@@ -4,7 +4,7 @@
 #include <chrono>
 #include <string>
 
-namespace intaglio::session {
+namespace intaglio {
 
 class Progress {
  public:
@@ -23,4 +23,4 @@ class Progress {
   std::chrono::steady_clock::time_point start_, last_;
 };
 
-}  // namespace intaglio::session
+}  // namespace intaglio

@@ -14,7 +14,7 @@
 #include "report/spectrogram.h"
 #include "sound/contact_step.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 namespace {
 
@@ -53,7 +53,7 @@ std::vector<double> times_of(const std::vector<Touch>& touches) {
   return times;
 }
 
-void compare_onsets(const Recording& recording, Agreement& a) {
+void compare_onsets(const session::Recording& recording, Agreement& a) {
   const double duration = shown_duration(recording);
   const std::vector<double> onsets = loud_onsets(recording.audio, recording.sample_rate);
   const std::vector<Touch> touches = touches_of(recording);
@@ -70,7 +70,7 @@ void compare_onsets(const Recording& recording, Agreement& a) {
   a.median_lag = lags.empty() ? unknown : lags[lags.size() / 2];
 }
 
-void compare_relief(const Recording& recording, Agreement& a) {
+void compare_relief(const session::Recording& recording, Agreement& a) {
   a.relief_correlation = unknown;
   if (!recording.surface) return;
   std::vector<Vec2> pairs;  // (tip, surface), m
@@ -92,9 +92,9 @@ void compare_relief(const Recording& recording, Agreement& a) {
   }
 }
 
-double longest_ring(const Recording& recording) {
+double longest_ring(const session::Recording& recording) {
   double longest = 0;
-  for (const Voice& voice : recording.voices) {
+  for (const scene::Voice& voice : recording.voices) {
     for (const double t60 : voice.t60) {
       if (std::isfinite(t60)) longest = std::max(longest, t60);
     }
@@ -102,7 +102,7 @@ double longest_ring(const Recording& recording) {
   return longest > 0 ? longest : 0.5;
 }
 
-void compare_silence(const Recording& recording, Agreement& a) {
+void compare_silence(const session::Recording& recording, Agreement& a) {
   const double duration = shown_duration(recording), ring = longest_ring(recording);
   std::vector<TimeSpan> busy;
   for (const ContactEvent& event : recording.events) {
@@ -125,11 +125,11 @@ void compare_silence(const Recording& recording, Agreement& a) {
 }
 
 // Baked frequencies of the bodies that took part in a contact.
-std::vector<double> excited_frequencies(const Recording& recording) {
+std::vector<double> excited_frequencies(const session::Recording& recording) {
   std::set<BodyId> touched;
   for (const ContactEvent& event : recording.events) touched.insert({event.body, event.other});
   std::vector<double> frequencies;
-  for (const Voice& voice : recording.voices) {
+  for (const scene::Voice& voice : recording.voices) {
     if (touched.count(voice.body) == 0) continue;
     for (const double hz : voice.frequencies) {
       if (std::isfinite(hz) && hz > 0) frequencies.push_back(hz);
@@ -138,7 +138,7 @@ std::vector<double> excited_frequencies(const Recording& recording) {
   return frequencies;
 }
 
-void compare_modes(const Recording& recording, Agreement& a) {
+void compare_modes(const session::Recording& recording, Agreement& a) {
   a.modal_energy = a.modal_chance = a.modal_contrast_db = unknown;
   const std::vector<double> modes = excited_frequencies(recording);
   const Spectrogram spectrogram = make_spectrogram(recording.audio, recording.sample_rate, 16384);
@@ -193,7 +193,7 @@ std::vector<double> loud_onsets(std::span<const float> audio, double sample_rate
   return onsets;
 }
 
-Agreement agreement_of(const Recording& recording) {
+Agreement agreement_of(const session::Recording& recording) {
   Agreement a;
   compare_onsets(recording, a);
   compare_relief(recording, a);
@@ -297,7 +297,7 @@ std::vector<Touch> blows_of(BodyId body, const std::vector<Step>& steps) {
 
 }  // namespace
 
-std::vector<Touch> touches_of(const Recording& recording) {
+std::vector<Touch> touches_of(const session::Recording& recording) {
   std::map<std::pair<BodyId, BodyId>, std::vector<const ContactEvent*>> pairs;
   for (const ContactEvent& event : recording.events) {
     if (std::isfinite(event.time) && std::isfinite(event.duration) && event.impulse.allFinite() &&
@@ -330,4 +330,4 @@ std::vector<Touch> unmasked(std::span<const Touch> touches) {
   return out;
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

@@ -9,7 +9,7 @@
 
 #include "session/recording.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 struct Agreement {
   static constexpr double tolerance = 0.005;    // s, between a sound and its touch
@@ -45,7 +45,7 @@ struct Agreement {
   std::size_t contrast_modes = 0;
 };
 
-Agreement agreement_of(const Recording& recording);
+Agreement agreement_of(const session::Recording& recording);
 
 // Times (s) at which the audio gets loud: the energy of a millisecond is 6 dB above that of every one of the
 // 30 before it, and within 40 dB of the loudest; at most one in 30 ms. Of the audio's differences, that is
@@ -71,10 +71,10 @@ struct Touch {
 };
 
 // In order of time, all at least `least` of their body's strongest.
-std::vector<Touch> touches_of(const Recording& recording);
+std::vector<Touch> touches_of(const session::Recording& recording);
 
 // Those that must be heard: at least a tenth of their body's strongest, and not masked, twice as strong as
 // all touches of the 100 ms before.
 std::vector<Touch> unmasked(std::span<const Touch> touches);
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

@@ -9,7 +9,7 @@
 #include "report/html.h"
 #include "report/svg_plot.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 namespace {
 
@@ -21,18 +21,18 @@ double series_seconds(std::size_t samples, int rate) {
 
 }  // namespace
 
-double shown_duration(const Recording& recording) {
+double shown_duration(const session::Recording& recording) {
   if (std::isfinite(recording.duration) && recording.duration > 1e-6 && recording.duration < 1e6)
     return recording.duration;
   double longest = std::max(series_seconds(recording.audio.size(), recording.sample_rate),
                             series_seconds(recording.servo.size(), recording.servo_rate));
-  for (const BallTrack& ball : recording.balls) {
+  for (const session::BallTrack& ball : recording.balls) {
     longest = std::max(longest, series_seconds(ball.position.size(), recording.physics_rate));
   }
   return longest > 0 ? longest : 1;
 }
 
-std::vector<Impact> impacts_of(const Recording& recording) {
+std::vector<Impact> impacts_of(const session::Recording& recording) {
   std::vector<Impact> impacts;
   std::map<BodyId, std::size_t> last;  // of each body, an index into impacts
   for (const ContactEvent& event : recording.events) {
@@ -64,15 +64,15 @@ std::vector<Impact> strongest(std::vector<Impact> impacts, std::size_t count, do
   return kept;
 }
 
-std::string body_name(const Recording& recording, BodyId body) {
-  for (const Voice& voice : recording.voices) {
+std::string body_name(const session::Recording& recording, BodyId body) {
+  for (const scene::Voice& voice : recording.voices) {
     if (voice.body == body && !voice.name.empty()) return voice.name;
   }
   if (body == floor_body) return "floor";
   return body == recording.pen ? "pen" : fmt::format("ball {}", body);
 }
 
-std::vector<TimeSpan> pen_touches(const Recording& recording) {
+std::vector<TimeSpan> pen_touches(const session::Recording& recording) {
   std::vector<TimeSpan> spans;
   if (recording.servo_rate <= 0) return spans;
   const double tick = 1.0 / recording.servo_rate;
@@ -179,7 +179,7 @@ void draw_way(SvgPlot& plot, const MapView& view, const surface::Placement& plac
   }
 }
 
-double largest_impulse(const Recording& recording) {
+double largest_impulse(const session::Recording& recording) {
   double largest = 0;
   for (const ContactEvent& event : recording.events) {
     const double size = event.impulse.norm();
@@ -189,7 +189,7 @@ double largest_impulse(const Recording& recording) {
 }
 
 // The strongest contacts of the balls, area by impulse. The pen's are its way.
-void draw_contacts(SvgPlot& plot, const MapView& view, const Recording& recording) {
+void draw_contacts(SvgPlot& plot, const MapView& view, const session::Recording& recording) {
   const double largest = largest_impulse(recording);
   const double least = 0.02 * largest;  // rolling is many small contacts: their dots would hide the way
   std::vector<const ContactEvent*> events;
@@ -212,14 +212,14 @@ void draw_contacts(SvgPlot& plot, const MapView& view, const Recording& recordin
   }
 }
 
-std::string map_svg(const Recording& recording, const MapView& view, std::string_view title) {
+std::string map_svg(const session::Recording& recording, const MapView& view, std::string_view title) {
   const surface::Placement& placement = recording.surface->placement();
   SvgPlot plot(map_width, view.height(), "plot map", title,
                "Height map seen from above, with the ways of balls and pen drawn over it, and a dot for each "
                "contact.");
   const Range &x = view.x.units(), &y = view.y.units();
   plot.image(x.low, y.high, x.size(), y.low - y.high, data_uri(height_image(*recording.surface, view)));
-  for (const BallTrack& ball : recording.balls) {
+  for (const session::BallTrack& ball : recording.balls) {
     draw_way(plot, view, placement, ball.position.size(), body_class(ball.body, recording.pen),
              [&](std::size_t k) { return ball.position[k]; });
   }
@@ -235,7 +235,7 @@ std::string map_svg(const Recording& recording, const MapView& view, std::string
 }
 
 // Where the pen touched, with some room: empty when that is not small, or nowhere.
-std::vector<Range> pen_close_up(const Recording& recording) {
+std::vector<Range> pen_close_up(const session::Recording& recording) {
   const surface::Placement& placement = recording.surface->placement();
   std::vector<double> us, vs;
   for (const haptics::ServoSample& sample : recording.servo) {
@@ -259,13 +259,13 @@ std::string direction_text(const Vec3& v) {
   return fmt::format("({}, {}, {})", number(v.x(), 2), number(v.y(), 2), number(v.z(), 2));
 }
 
-std::string key_html(const Recording& recording) {
+std::string key_html(const session::Recording& recording) {
   std::string html = "<ul class=\"key\">\n";
   const auto way = [&](std::string_view body, const std::string& name) {
     html +=
         fmt::format("<li><span class=\"ramp {}\"></span>{}, from start to end</li>\n", body, escaped(name));
   };
-  for (const BallTrack& ball : recording.balls)
+  for (const session::BallTrack& ball : recording.balls)
     way(body_class(ball.body, recording.pen), body_name(recording, ball.body));
   if (!recording.servo.empty()) way("pen", body_name(recording, recording.pen) + ", touching");
   if (const double largest = largest_impulse(recording); largest > 0) {
@@ -286,7 +286,7 @@ std::string key_html(const Recording& recording) {
 
 }  // namespace
 
-std::string seen_html(const Recording& recording) {
+std::string seen_html(const session::Recording& recording) {
   if (!recording.surface) return "<p>No surface was recorded.</p>\n";
   const surface::Placement& placement = recording.surface->placement();
   std::string html = "<div class=\"maps\">\n<figure>\n";
@@ -301,4 +301,4 @@ std::string seen_html(const Recording& recording) {
   return html + "<div class=\"aside\">\n" + key_html(recording) + "</div>\n</div>\n";
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

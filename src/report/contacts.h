@@ -8,7 +8,7 @@
 
 #include "session/recording.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 struct TimeSpan {
   double begin = 0;  // s
@@ -25,20 +25,20 @@ struct Impact {
 
 // Seconds that the time plots show: the recording's duration, or of its longest series, or 1. Always finite
 // and positive.
-double shown_duration(const Recording& recording);
+double shown_duration(const session::Recording& recording);
 
 // Of all balls, in order of time.
-std::vector<Impact> impacts_of(const Recording& recording);
+std::vector<Impact> impacts_of(const session::Recording& recording);
 
 // The strongest `count` that are at least a tenth of the greatest and `apart` seconds from a stronger one; in
 // order of time.
 std::vector<Impact> strongest(std::vector<Impact> impacts, std::size_t count, double apart);
 
 // As its voice is called, else "floor", "pen" or "ball 3".
-std::string body_name(const Recording& recording, BodyId body);
+std::string body_name(const session::Recording& recording, BodyId body);
 
 // When the pen touches.
-std::vector<TimeSpan> pen_touches(const Recording& recording);
+std::vector<TimeSpan> pen_touches(const session::Recording& recording);
 
 // Overlapping spans joined, all within 0..duration.
 std::vector<TimeSpan> joined(std::vector<TimeSpan> spans, double duration);
@@ -48,6 +48,6 @@ double total_seconds(std::span<const TimeSpan> spans);
 
 // The whole surface, a close-up of where the pen touched when that is a small part of it, and the key. A
 // sentence when there is no surface.
-std::string seen_html(const Recording& recording);
+std::string seen_html(const session::Recording& recording);
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

@@ -10,7 +10,7 @@
 #include "report/tracks.h"
 #include "session/simulation.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 Result<haptics::HapticLog> read_haptic_log(const std::filesystem::path& path) {
   const auto bytes = read_file(path);
@@ -39,7 +39,7 @@ std::string haptic_summary(const haptics::HapticLog& log) {
 }
 
 std::string haptic_page(const haptics::HapticLog& log, const std::string& title) {
-  Recording recording;
+  session::Recording recording;
   recording.duration = static_cast<double>(log.samples.size()) / log.rate;
   recording.servo_rate = static_cast<int>(log.rate);
   recording.servo = log.samples;
@@ -50,16 +50,16 @@ std::string haptic_page(const haptics::HapticLog& log, const std::string& title)
       escaped(title), report_css, felt_html(recording));
 }
 
-Result<Replayed> replay(const haptics::HapticLog& log, const Scene& scene) {
+Result<Replayed> replay(const haptics::HapticLog& log, const scene::Scene& scene) {
   if (!scene.pen) return fail(scene.name, "the scene has no pen", "a [pen] table says how it is felt");
   if (scene.pen->device.rate != log.rate) {
     return fail(scene.name,
                 fmt::format("its servo rate is {} Hz, the log's {} Hz", scene.pen->device.rate, log.rate),
                 "set pen.device_rate to the log's");
   }
-  const auto made = make_surface(scene);
+  const auto made = scene::make_surface(scene);
   if (!made) return tl::unexpected(made.error());
-  haptics::PenServo servo = PenLink(scene, *made, scene.surface.representation).make_servo();
+  haptics::PenServo servo = session::PenLink(scene, *made, scene.surface.representation).make_servo();
   haptics::ReplayDevice device(log.samples);
   haptics::SceneSnapshot at_rest;
   for (std::size_t tick = 0; !device.at_end(); ++tick) {
@@ -69,4 +69,4 @@ Result<Replayed> replay(const haptics::HapticLog& log, const Scene& scene) {
   return Replayed{device.largest_difference(), haptics::fingerprint(*made->surface) == log.surface};
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

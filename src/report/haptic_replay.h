@@ -7,7 +7,7 @@
 #include "haptics/haptic_log.h"
 #include "scene/scene.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 Result<haptics::HapticLog> read_haptic_log(const std::filesystem::path& path);
 
@@ -24,6 +24,6 @@ struct Replayed {
 
 // The recorded motion of the device on the scene's surface, by the scene's method; balls are left out.
 // Errors: the scene has no pen, its surface cannot be made, its servo rate is not the log's.
-Result<Replayed> replay(const haptics::HapticLog& log, const Scene& scene);
+Result<Replayed> replay(const haptics::HapticLog& log, const scene::Scene& scene);
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

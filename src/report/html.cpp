@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 namespace {
 
@@ -231,4 +231,4 @@ if (cursors.length) {
 }
 )js";
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

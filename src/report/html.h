@@ -9,7 +9,7 @@
 #include "core/event.h"
 #include "core/image.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 // For HTML and SVG, content and attribute values alike. Control characters, which no page may hold, become
 // spaces.
@@ -38,4 +38,4 @@ std::string body_class(BodyId body, BodyId pen);
 extern const std::string_view report_css;
 extern const std::string_view report_script;
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

@@ -8,7 +8,7 @@
 #include "report/html.h"
 #include "report/svg_plot.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 using surface::Inspection;
 
@@ -160,4 +160,4 @@ std::string inspection_html(const Inspection& inspection, const std::string& tit
   return out + "</section>\n</main>\n</body>\n</html>\n";
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

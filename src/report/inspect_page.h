@@ -5,7 +5,7 @@
 
 #include "surface/inspect.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 // One object; `green` is "+Y" or "-Y", or null without normals; `polarity` "height", "depth" or "none" (no
 // height map).
@@ -15,4 +15,4 @@ std::string inspection_json(const surface::Inspection& inspection);
 // surface.
 std::string inspection_html(const surface::Inspection& inspection, const std::string& title);
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

@@ -19,7 +19,7 @@
 #include "session/video.h"
 #include "sound/audio/wav.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 namespace fs = std::filesystem;
 
@@ -60,8 +60,8 @@ class Outputs {
 // Draws and encodes snapshots, on a thread of its own or on the caller's.
 class Pictures {
  public:
-  Pictures(ScenePicture picture, render::Renderer& renderer, VideoWriter& video, bool own_thread,
-           std::int64_t frames)
+  Pictures(scene::ScenePicture picture, render::Renderer& renderer, session::VideoWriter& video,
+           bool own_thread, std::int64_t frames)
       : picture_(std::move(picture)),
         renderer_(renderer),
         video_(video),
@@ -72,7 +72,7 @@ class Pictures {
   ~Pictures() { stop(); }
 
   // Hands over one snapshot; waits while many are queued. Errors of earlier frames come back here.
-  Result<void> add(Snapshot snapshot) {
+  Result<void> add(session::Snapshot snapshot) {
     if (!thread_.joinable()) return draw(snapshot);
     std::unique_lock lock(mutex_);
     room_.wait(lock, [&] { return queue_.size() < 8 || error_; });
@@ -86,8 +86,8 @@ class Pictures {
     if (error_) return tl::unexpected(*error_);
     return {};
   }
-  CostMeter& cost() { return cost_; }
-  std::vector<KeyFrame>& key_frames() { return key_frames_; }
+  session::CostMeter& cost() { return cost_; }
+  std::vector<session::KeyFrame>& key_frames() { return key_frames_; }
 
  private:
   void stop() {
@@ -102,7 +102,7 @@ class Pictures {
 
   void work() {
     while (true) {
-      Snapshot snapshot;
+      session::Snapshot snapshot;
       {
         std::unique_lock lock(mutex_);
         work_.wait(lock, [&] { return !queue_.empty() || closed_; });
@@ -120,7 +120,7 @@ class Pictures {
     }
   }
 
-  Result<void> draw(const Snapshot& snapshot) {
+  Result<void> draw(const session::Snapshot& snapshot) {
     const std::int64_t start = drawing_cpu_ns();
     const Image8 image = renderer_.draw(picture_.frame(snapshot.balls, snapshot.bodies, snapshot.pen_tip));
     cost_.add(drawing_cpu_ns() - start);
@@ -131,40 +131,40 @@ class Pictures {
 
   // A software driver draws on threads of its own: count the whole process but for the senses' thread.
   std::int64_t drawing_cpu_ns() const {
-    return process_cpu_ns() - (thread_.joinable() ? cpu_ns(senses_) : 0);
+    return session::process_cpu_ns() - (thread_.joinable() ? session::cpu_ns(senses_) : 0);
   }
 
-  ScenePicture picture_;
+  scene::ScenePicture picture_;
   render::Renderer& renderer_;
-  VideoWriter& video_;
+  session::VideoWriter& video_;
   clockid_t senses_{};
   std::int64_t key_every_, frames_ = 0;
-  CostMeter cost_;
-  std::vector<KeyFrame> key_frames_;
+  session::CostMeter cost_;
+  std::vector<session::KeyFrame> key_frames_;
   std::thread thread_;
   std::mutex mutex_;
   std::condition_variable work_, room_;
-  std::queue<Snapshot> queue_;
+  std::queue<session::Snapshot> queue_;
   bool closed_ = false;
   std::optional<Error> error_;
 };
 
 }  // namespace
 
-Result<Recording> render(const Scene& scene, const RenderJob& job) {
+Result<session::Recording> render(const scene::Scene& scene, const RenderJob& job) {
   const auto start = std::chrono::steady_clock::now();
   Outputs outputs(job.output);
-  if (const auto ffmpeg = find_ffmpeg(); !ffmpeg) return tl::unexpected(ffmpeg.error());
+  if (const auto ffmpeg = session::find_ffmpeg(); !ffmpeg) return tl::unexpected(ffmpeg.error());
   if (auto named = check_named(job.output, ".mp4", "an MP4"); !named) return tl::unexpected(named.error());
   if (auto writable = outputs.check(); !writable) return tl::unexpected(writable.error());
   const std::string gl_threads = std::to_string(job.threads > 1 ? job.threads : 0);
   setenv("LP_NUM_THREADS", gl_threads.c_str(), 0);  // llvmpipe's own pool; the user's setting wins
 
-  const auto surface = make_surface(scene);
+  const auto surface = scene::make_surface(scene);
   if (!surface) return tl::unexpected(surface.error());
   Progress progress("render", job.quiet);
   progress.update(0, "modal analysis");
-  auto simulation = Simulation::create(scene, *surface);
+  auto simulation = session::Simulation::create(scene, *surface);
   if (!simulation) return tl::unexpected(simulation.error());
   render::RendererOptions options;
   options.width = scene.video.width;
@@ -174,9 +174,10 @@ Result<Recording> render(const Scene& scene, const RenderJob& job) {
   options.roughness = surface->roughness;
   auto renderer = render::Renderer::create(*surface->surface, options);
   if (!renderer) return tl::unexpected(renderer.error());
-  if (auto shown = (*renderer)->show(surface_parts(scene, *surface)); !shown)
+  if (auto shown = (*renderer)->show(scene::surface_parts(scene, *surface)); !shown)
     return tl::unexpected(shown.error());
-  auto video = VideoWriter::create(job.output, scene.video.width, scene.video.height, scene.video.fps);
+  auto video =
+      session::VideoWriter::create(job.output, scene.video.width, scene.video.height, scene.video.fps);
   if (!video) return tl::unexpected(video.error());
 
   const auto frames = static_cast<std::int64_t>(scene.duration * scene.video.fps + 1e-9);
@@ -184,7 +185,7 @@ Result<Recording> render(const Scene& scene, const RenderJob& job) {
   for (std::int64_t frame = 0; frame < frames; ++frame) {
     if (job.interrupted != nullptr && job.interrupted->load())
       return fail(job.output.string(), "interrupted: nothing was written");
-    const Snapshot snapshot = (*simulation)->advance_to_frame(frame);
+    const session::Snapshot snapshot = (*simulation)->advance_to_frame(frame);
     progress.update(static_cast<double>(frame) / static_cast<double>(frames),
                     fmt::format("{:.1f} of {:.1f} s", snapshot.time, scene.duration));
     if (auto added = pictures.add(snapshot); !added) return tl::unexpected(added.error());
@@ -192,7 +193,7 @@ Result<Recording> render(const Scene& scene, const RenderJob& job) {
   (*simulation)->finish();
   if (auto drawn = pictures.finish(); !drawn) return tl::unexpected(drawn.error());
 
-  Recording recording = std::move((*simulation)->recording());
+  session::Recording recording = std::move((*simulation)->recording());
   if (auto wav =
           sound::write_wav(outputs.with(".wav"), recording.stereo, recording.sample_rate, {.channels = 2});
       !wav)
@@ -204,12 +205,12 @@ Result<Recording> render(const Scene& scene, const RenderJob& job) {
   recording.key_frames = std::move(pictures.key_frames());
   recording.costs.push_back(pictures.cost().summary(
       {"picture", fmt::format("{}x{} frame", scene.video.width, scene.video.height), 1.0 / scene.video.fps}));
-  recording.peak_memory_bytes = peak_memory_bytes();
+  recording.peak_memory_bytes = session::peak_memory_bytes();
   recording.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const auto bytes = read_file(job.output);
   if (!bytes) return tl::unexpected(bytes.error());
-  for (const auto& [extension, text] : {std::pair{".events.csv", events_csv(recording)},
-                                        {".servo.csv", servo_csv(recording)},
+  for (const auto& [extension, text] : {std::pair{".events.csv", session::events_csv(recording)},
+                                        {".servo.csv", session::servo_csv(recording)},
                                         {".html", report_html(recording, *bytes)}}) {
     if (auto written = outputs.write(extension, text); !written) return tl::unexpected(written.error());
   }
@@ -218,4 +219,4 @@ Result<Recording> render(const Scene& scene, const RenderJob& job) {
   return recording;
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

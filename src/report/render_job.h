@@ -7,7 +7,7 @@
 #include "session/recording.h"
 #include "scene/scene.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 struct RenderJob {
   std::filesystem::path output;  // .mp4; beside it go .wav, .html, .events.csv and .servo.csv
@@ -17,6 +17,6 @@ struct RenderJob {
 };
 
 // Leaves all files or, on an error, none of them.
-Result<Recording> render(const Scene& scene, const RenderJob& job);
+Result<session::Recording> render(const scene::Scene& scene, const RenderJob& job);
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

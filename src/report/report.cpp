@@ -10,7 +10,7 @@
 #include "report/html.h"
 #include "report/tracks.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 namespace {
 
@@ -37,7 +37,7 @@ std::string_view representation_text(Representation representation) {
   return "";
 }
 
-std::string who_text(const Recording& recording) {
+std::string who_text(const session::Recording& recording) {
   static constexpr std::array words = {"", "One ball", "Two balls", "Three balls", "Four balls"};
   const std::size_t balls = recording.balls.size();
   std::string who = balls < words.size() ? words[balls] : fmt::format("{} balls", balls);
@@ -46,7 +46,7 @@ std::string who_text(const Recording& recording) {
 }
 
 // What is shown, in one sentence.
-std::string lead(const Recording& recording) {
+std::string lead(const session::Recording& recording) {
   std::string where = "no surface";
   if (recording.surface) {
     const surface::Placement& placement = recording.surface->placement();
@@ -61,11 +61,11 @@ std::string lead(const Recording& recording) {
 }
 
 // At most so many, evenly chosen.
-std::string key_frame_strip(const Recording& recording) {
+std::string key_frame_strip(const session::Recording& recording) {
   const std::size_t shown = std::min(recording.key_frames.size(), most_key_frames);
   std::string html = "<ul class=\"strip\">\n";
   for (std::size_t k = 0; k < shown; ++k) {
-    const KeyFrame& frame = recording.key_frames[k * recording.key_frames.size() / shown];
+    const session::KeyFrame& frame = recording.key_frames[k * recording.key_frames.size() / shown];
     if (frame.image.empty()) continue;
     const std::string time = number(frame.time, 2);
     html += fmt::format(
@@ -77,7 +77,7 @@ std::string key_frame_strip(const Recording& recording) {
   return html.find("<li>") == std::string::npos ? "<p>No pictures were kept.</p>\n" : html + "</ul>\n";
 }
 
-std::string picture(const Recording& recording, std::span<const std::uint8_t> video) {
+std::string picture(const session::Recording& recording, std::span<const std::uint8_t> video) {
   std::string html;
   if (!video.empty()) {
     html = fmt::format(
@@ -89,7 +89,7 @@ std::string picture(const Recording& recording, std::span<const std::uint8_t> vi
 }
 
 // The tracks, with the mapping of their time axis for the script.
-std::string tracks(const Recording& recording) {
+std::string tracks(const session::Recording& recording) {
   return fmt::format(
              "<div id=\"tracks\" data-left=\"{}\" data-right=\"{}\" data-width=\"{}\" "
              "data-duration=\"{}\">\n",
@@ -111,7 +111,7 @@ std::string tracks(const Recording& recording) {
 
 }  // namespace
 
-std::string report_html(const Recording& recording, std::span<const std::uint8_t> video_mp4) {
+std::string report_html(const session::Recording& recording, std::span<const std::uint8_t> video_mp4) {
   const std::string title = recording.title.empty() ? "Session" : escaped(recording.title);
   std::string html = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
@@ -173,13 +173,13 @@ std::string lowest_text(const std::vector<double>& frequencies) {
 
 }  // namespace
 
-std::string cost_table(const Recording& recording) {
+std::string cost_table(const session::Recording& recording) {
   std::string html = opened(
       "What each sense cost, in CPU time of its thread. The real-time factor is simulated time over CPU "
       "time: above 1 is faster than life.",
       heading("Sense") + heading("Step") + figure_heading("Steps") + figure_heading("Median, µs") +
           figure_heading("99 %, µs") + figure_heading("All, s") + figure_heading("Real-time factor"));
-  for (const SenseCost& cost : recording.costs) {
+  for (const session::SenseCost& cost : recording.costs) {
     const double simulated = cost.step_seconds * static_cast<double>(cost.steps);
     html += fmt::format("<tr><th scope=\"row\">{}</th>", escaped(cost.sense)) + cell(escaped(cost.step)) +
             figure(std::to_string(cost.steps)) + figure(number(cost.median_us)) +
@@ -190,7 +190,7 @@ std::string cost_table(const Recording& recording) {
   return html + "</tbody></table>\n";
 }
 
-std::string run_table(const Recording& recording) {
+std::string run_table(const session::Recording& recording) {
   std::string html =
       "<table>\n<caption>The run. Two runs of one scene have the same hashes.</caption>\n<tbody>\n";
   html += row("Simulated time, s", number(recording.duration, 2));
@@ -205,11 +205,11 @@ std::string run_table(const Recording& recording) {
   return html + "</tbody></table>\n";
 }
 
-std::string voice_table(const Recording& recording) {
+std::string voice_table(const session::Recording& recording) {
   std::string html = opened("Voices: what was baked for each body.",
                             heading("Body") + heading("Material") + figure_heading("Modes") +
                                 heading("Lowest frequencies, Hz") + heading("T60, ms"));
-  for (const Voice& voice : recording.voices) {
+  for (const scene::Voice& voice : recording.voices) {
     const auto [shortest, longest] = std::minmax_element(voice.t60.begin(), voice.t60.end());
     html += fmt::format("<tr><th scope=\"row\"><span class=\"dot {}\"></span>{}</th>",
                         body_class(voice.body, recording.pen), escaped(voice.name)) +
@@ -221,4 +221,4 @@ std::string voice_table(const Recording& recording) {
   return html + "</tbody></table>\n";
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

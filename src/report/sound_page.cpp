@@ -17,14 +17,14 @@
 #include "sound/synthesizer.h"
 #include "surface/recipes/builtin.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 namespace {
 
 constexpr double ball_radius = 0.01, falls_from = 0.01, rolling_speed = 0.6, scraping_speed = 0.15;
 
-PenScene scraping_pen() {
-  PenScene pen;
+scene::PenSettings scraping_pen() {
+  scene::PenSettings pen;
   pen.workspace.scale = 3;
   pen.tip_radius = 0.0005;
   pen.hand.stiffness = 1000;
@@ -43,8 +43,8 @@ std::string touch_name(Touch touch) {
   return touch == Touch::strike ? "strike" : touch == Touch::scrape ? "scrape" : "roll";
 }
 
-Scene touch_scene(Touch touch, const std::string& texture) {
-  Scene scene;
+scene::Scene touch_scene(Touch touch, const std::string& texture) {
+  scene::Scene scene;
   scene.name = scene.title = texture + ", " + touch_name(touch);
   scene.duration = 2;
   scene.surface.texture = texture;
@@ -53,7 +53,7 @@ Scene touch_scene(Touch touch, const std::string& texture) {
   scene.sound.modes = 80;
   scene.camera.eye = {0, 0.35, 0.35};
   scene.camera.target = Vec3::Zero();
-  BallScene ball;
+  scene::BallSettings ball;
   ball.radius = ball_radius;
   ball.material = *find_material(touch == Touch::strike ? "wood" : "steel");
   if (touch == Touch::strike) {
@@ -70,10 +70,10 @@ Scene touch_scene(Touch touch, const std::string& texture) {
   return scene;
 }
 
-Result<Recording> play(const Scene& scene) {
-  const auto surface = make_surface(scene);
+Result<session::Recording> play(const scene::Scene& scene) {
+  const auto surface = scene::make_surface(scene);
   if (!surface) return tl::unexpected(surface.error());
-  auto simulation = Simulation::create(scene, *surface);
+  auto simulation = session::Simulation::create(scene, *surface);
   if (!simulation) return tl::unexpected(simulation.error());
   (*simulation)->finish();
   return std::move((*simulation)->recording());
@@ -128,7 +128,7 @@ Result<void> check_textures(const std::vector<std::string>& textures) {
     if (!is_new)
       return fail(texture, fmt::format("would have the same files as {}", other->second),
                   "give each texture once, and a name of its own");
-    if (const auto surface = make_surface(touch_scene(Touch::strike, texture)); !surface)
+    if (const auto surface = scene::make_surface(touch_scene(Touch::strike, texture)); !surface)
       return tl::unexpected(surface.error());
   }
   return {};
@@ -153,7 +153,7 @@ class Written {
 };
 
 Result<Sound> make_sound(const SoundPageJob& job, const std::string& texture, Touch touch, Written& written) {
-  Scene scene = touch_scene(touch, texture);
+  scene::Scene scene = touch_scene(touch, texture);
   scene.sound.gain_db = -headroom_db;
   auto recording = play(scene);
   if (!recording) return tl::unexpected(recording.error());
@@ -243,4 +243,4 @@ Result<void> make_sound_page(const SoundPageJob& job) {
   return {};
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

@@ -14,17 +14,17 @@
 #include "scene/scene.h"
 #include "session/recording.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 enum class Touch { strike, scrape, roll };
 inline constexpr std::array touches{Touch::strike, Touch::scrape, Touch::roll};
 std::string touch_name(Touch touch);  // "strike", "scrape", "roll"
 
 // `texture` as in a scene file: a built-in name, a recipe, an image or a folder.
-Scene touch_scene(Touch touch, const std::string& texture);
+scene::Scene touch_scene(Touch touch, const std::string& texture);
 
 // Runs a scene without its picture. Seconds, mostly modal analysis.
-Result<Recording> play(const Scene& scene);
+Result<session::Recording> play(const scene::Scene& scene);
 
 // A page on which every built-in texture can be heard: struck, scraped and rolled on, with spectrograms.
 
@@ -38,4 +38,4 @@ struct SoundPageJob {
 // CPU time a sound. Sounds are brought to one peak level; the page names the true one.
 Result<void> make_sound_page(const SoundPageJob& job);
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <unsupported/Eigen/FFT>
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 namespace {
 
@@ -201,4 +201,4 @@ std::vector<double> ModalSpectrum::contrasts_db() const {
   return contrasts;
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

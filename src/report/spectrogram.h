@@ -13,7 +13,7 @@
 #include "core/image.h"
 #include "report/svg_plot.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 struct Spectrogram {
   static constexpr int frames_before = 1;  // frames before time 0, for four windows to cover the first sample
@@ -85,4 +85,4 @@ class ModalSpectrum {
   double width_;
 };
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

@@ -9,7 +9,7 @@
 
 #include "report/html.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 namespace {
 
@@ -333,4 +333,4 @@ double luminance(const Rgb& colour) {
   return sum;
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

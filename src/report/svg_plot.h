@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 struct Range {
   double low = 0;
@@ -115,4 +115,4 @@ Rgb stone(double t);
 // WCAG relative luminance, 0..1.
 double luminance(const Rgb& colour);
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

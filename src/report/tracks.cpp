@@ -10,7 +10,7 @@
 #include "report/html.h"
 #include "report/spectrogram.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 namespace {
 
@@ -30,7 +30,7 @@ struct PenSeries {
   Range heights;                            // what is worth showing: where it touches, and some room above
 };
 
-PenSeries pen_series(const Recording& recording) {
+PenSeries pen_series(const session::Recording& recording) {
   PenSeries pen;
   std::vector<double> shown;
   for (const haptics::ServoSample& sample : recording.servo) {
@@ -61,7 +61,7 @@ struct BallSeries {
   std::vector<double> height, speed;  // m, m/s
 };
 
-BallSeries ball_series(const Recording& recording, const BallTrack& ball) {
+BallSeries ball_series(const session::Recording& recording, const session::BallTrack& ball) {
   BallSeries series{body_name(recording, ball.body), body_class(ball.body, recording.pen), {}, {}};
   for (std::size_t k = 0; k < ball.position.size(); ++k) {
     const Vec3& centre = ball.position[k];
@@ -75,7 +75,7 @@ BallSeries ball_series(const Recording& recording, const BallTrack& ball) {
 }
 
 // A ball that leaves the surface falls for ever: what is deep below is not worth the axis.
-Range height_range(const Recording& recording, const std::vector<BallSeries>& balls) {
+Range height_range(const session::Recording& recording, const std::vector<BallSeries>& balls) {
   std::vector<double> all;
   for (const BallSeries& ball : balls) all.insert(all.end(), ball.height.begin(), ball.height.end());
   all.push_back(0);
@@ -93,11 +93,11 @@ Range speed_range(const std::vector<BallSeries>& balls) {
 
 }  // namespace
 
-Axis time_axis(const Recording& recording) {
+Axis time_axis(const session::Recording& recording) {
   return Axis({0, shown_duration(recording)}, track_area);
 }
 
-void draw_impacts(SvgPlot& plot, const Recording& recording, double top, double bottom) {
+void draw_impacts(SvgPlot& plot, const session::Recording& recording, double top, double bottom) {
   const Axis time = time_axis(recording);
   for (const Impact& impact : strongest(impacts_of(recording), 40, 0.03)) {
     if (impact.time < 0 || impact.time > time.values().high) continue;
@@ -106,7 +106,7 @@ void draw_impacts(SvgPlot& plot, const Recording& recording, double top, double 
   }
 }
 
-std::string felt_html(const Recording& recording) {
+std::string felt_html(const session::Recording& recording) {
   if (recording.servo.empty()) return "<p>No pen took part.</p>\n";
   const PenSeries pen = pen_series(recording);
   const double step = step_of(recording.servo_rate);
@@ -132,9 +132,9 @@ std::string felt_html(const Recording& recording) {
   return plot.finish();
 }
 
-std::string moved_html(const Recording& recording) {
+std::string moved_html(const session::Recording& recording) {
   std::vector<BallSeries> balls;
-  for (const BallTrack& ball : recording.balls) balls.push_back(ball_series(recording, ball));
+  for (const session::BallTrack& ball : recording.balls) balls.push_back(ball_series(recording, ball));
   if (balls.empty()) return "<p>No ball took part.</p>\n";
   const double step = step_of(recording.physics_rate);
   const Axis time = time_axis(recording);
@@ -171,7 +171,7 @@ constexpr double balls_y = 52, pen_y = 62, spectrogram_top = 80, spectrogram_bot
 constexpr double shown_decibels = 80;
 
 // The loudest bin at the top of the scale, in steps of 5 dB.
-SpectrogramView view_of(const Recording& recording, const Spectrogram& spectrogram) {
+SpectrogramView view_of(const session::Recording& recording, const Spectrogram& spectrogram) {
   const auto loudest = std::max_element(spectrogram.power.begin(), spectrogram.power.end());
   SpectrogramView view;
   view.duration = shown_duration(recording);
@@ -184,7 +184,7 @@ SpectrogramView view_of(const Recording& recording, const Spectrogram& spectrogr
 }
 
 // Who touched when: a triangle for each impact of a ball, a bar while the pen touches.
-void draw_contacts(SvgPlot& plot, const Recording& recording, const Axis& time) {
+void draw_contacts(SvgPlot& plot, const session::Recording& recording, const Axis& time) {
   const std::vector<Impact> impacts = strongest(impacts_of(recording), 400, 0);
   double most = 0;
   for (const Impact& impact : impacts) most = std::max(most, impact.impulse);
@@ -206,11 +206,11 @@ void draw_contacts(SvgPlot& plot, const Recording& recording, const Axis& time) 
 }
 
 // A column of ticks right of the spectrogram for each voice, at its baked frequencies.
-void draw_modes(SvgPlot& plot, const Recording& recording, const Axis& hz) {
+void draw_modes(SvgPlot& plot, const session::Recording& recording, const Axis& hz) {
   const double pitch =
       std::min(18.0, 110.0 / static_cast<double>(std::max<std::size_t>(recording.voices.size(), 1)));
   double x = track_area.high + 10;
-  for (const Voice& voice : recording.voices) {
+  for (const scene::Voice& voice : recording.voices) {
     const std::string colour = body_class(voice.body, recording.pen);
     double last = 1e9;
     for (const double frequency : voice.frequencies) {
@@ -239,7 +239,7 @@ void draw_colour_bar(SvgPlot& plot, const SpectrogramView& view) {
 
 }  // namespace
 
-std::string heard_html(const Recording& recording) {
+std::string heard_html(const session::Recording& recording) {
   if (recording.audio.empty() || recording.sample_rate <= 0) return "<p>No sound was recorded.</p>\n";
   const Axis time = time_axis(recording);
   const Spectrogram spectrogram = make_spectrogram(recording.audio, recording.sample_rate);
@@ -265,4 +265,4 @@ std::string heard_html(const Recording& recording) {
   return plot.finish();
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

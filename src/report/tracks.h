@@ -9,7 +9,7 @@
 #include "session/recording.h"
 #include "report/svg_plot.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 inline constexpr double track_width = 1100;     // drawing units, of every track
 inline constexpr Range track_area = {76, 976};  // of these, what the time axis takes
@@ -18,15 +18,15 @@ inline constexpr double track_axis_height = 30;  // of the time axis, below the 
 inline constexpr int track_time_ticks = 12;
 
 // Seconds to drawing units: the one mapping of every track.
-Axis time_axis(const Recording& recording);
+Axis time_axis(const session::Recording& recording);
 // Vertical lines at the strongest impacts, through all panels of a track.
-void draw_impacts(SvgPlot& plot, const Recording& recording, double top, double bottom);
+void draw_impacts(SvgPlot& plot, const session::Recording& recording, double top, double bottom);
 
 // Height of pen and surface, force. A sentence when there was no pen.
-std::string felt_html(const Recording& recording);
+std::string felt_html(const session::Recording& recording);
 // Height and speed of the balls. A sentence when there were none.
-std::string moved_html(const Recording& recording);
+std::string moved_html(const session::Recording& recording);
 // Contacts, spectrogram with the baked modes beside it, waveform. A sentence when there is no audio.
-std::string heard_html(const Recording& recording);
+std::string heard_html(const session::Recording& recording);
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

@@ -9,7 +9,7 @@
 #include "contact/shape.h"
 #include "core/portable_math.h"
 
-namespace intaglio::session {
+namespace intaglio::scene {
 
 namespace {
 
@@ -44,7 +44,7 @@ ScenePicture::ScenePicture(const Scene& scene, const SceneSurface& surface)
 }
 
 void ScenePicture::add_body(std::size_t k, const std::vector<SceneSurface>& reliefs) {
-  const BodyScene& body = scene_.bodies[k];
+  const BodySettings& body = scene_.bodies[k];
   Drawn& drawn = drawn_.emplace_back();
   drawn.first_part = part_poses_.size();
   drawn.parts = reliefs.size();
@@ -262,4 +262,4 @@ render::Mesh back_mesh(const surface::TriangleMesh& base, double relief, double 
   return mesh;
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::scene

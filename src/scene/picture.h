@@ -14,7 +14,7 @@
 #include "scene/scene.h"
 #include "scene/surfaces.h"
 
-namespace intaglio::session {
+namespace intaglio::scene {
 
 class ScenePicture {
  public:
@@ -53,4 +53,4 @@ render::Mesh shape_mesh(const contact::Shape& shape);
 // the relief, which has a side of its own, ends.
 render::Mesh back_mesh(const surface::TriangleMesh& base, double relief, double thickness);
 
-}  // namespace intaglio::session
+}  // namespace intaglio::scene

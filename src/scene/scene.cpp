@@ -8,11 +8,11 @@
 #include "core/toml.h"
 #include "scene/scene_reader.h"
 
-namespace intaglio::session {
+namespace intaglio::scene {
 
 namespace {
 
-void read_surface(TomlReader& r, SurfaceScene& surface) {
+void read_surface(TomlReader& r, SurfaceSettings& surface) {
   read_texture(r, surface);
   r.pair("size", surface.size, {0.01, 100, false, "a side must be between 0.01 m and 100 m"});
   r.number("thickness", surface.thickness,
@@ -26,13 +26,13 @@ void read_surface(TomlReader& r, SurfaceScene& surface) {
   }
 }
 
-void read_representation(TomlReader& r, SurfaceScene& floor) {
+void read_representation(TomlReader& r, SurfaceSettings& floor) {
   int representation = static_cast<int>(floor.representation);
   r.choice("representation", {"flat", "normal", "relief"}, representation);
   floor.representation = static_cast<Representation>(representation);
 }
 
-void read_physics(TomlReader& r, PhysicsScene& physics) {
+void read_physics(TomlReader& r, PhysicsSettings& physics) {
   r.whole("rate", physics.rate, {30, 20000, false, "a rate must be between 30 Hz and 20000 Hz"});
   r.vector("gravity", physics.gravity);
   int method = static_cast<int>(physics.method);
@@ -49,7 +49,7 @@ void read_physics(TomlReader& r, PhysicsScene& physics) {
   }
 }
 
-void read_path(TomlReader& r, PenScene& pen) {
+void read_path(TomlReader& r, PenSettings& pen) {
   std::vector<std::vector<double>> rows;
   r.rows("path", 4, rows);
   for (const auto& row : rows) {
@@ -70,7 +70,7 @@ void read_path(TomlReader& r, PenScene& pen) {
   if (pen.path.empty()) r.fail_at("path", "pen.path has no waypoint", "give rows of [time s, x m, y m, z m]");
 }
 
-void read_pen(TomlReader& r, PenScene& pen) {
+void read_pen(TomlReader& r, PenSettings& pen) {
   r.number("length", pen.length, positive("a length must be greater than 0 m and at most 10 m", 10));
   r.number("radius", pen.radius, positive("a radius must be greater than 0 m and at most 1 m", 1));
   read_material(r, "material", pen.material);
@@ -110,7 +110,7 @@ void read_pen(TomlReader& r, PenScene& pen) {
   pen.limits.peak_force = pen.device.peak_force;
 }
 
-void read_sound(TomlReader& r, SoundScene& sound) {
+void read_sound(TomlReader& r, SoundSettings& sound) {
   r.whole("sample_rate", sound.sample_rate,
           {8000, 192000, false, "a sample rate must be between 8000 Hz and 192000 Hz"});
   r.number("gain_db", sound.gain_db, {-120, 60, false, "a gain must be between -120 dB and 60 dB"});
@@ -121,7 +121,7 @@ void read_sound(TomlReader& r, SoundScene& sound) {
   r.whole("modes", sound.modes, {1, 2000, false, "between 1 and 2000 modes a body"});
 }
 
-void read_video(TomlReader& r, VideoScene& video) {
+void read_video(TomlReader& r, VideoSettings& video) {
   r.whole("width", video.width, {16, 7680, false, "a width must be between 16 and 7680 pixels"});
   r.whole("height", video.height, {16, 4320, false, "a height must be between 16 and 4320 pixels"});
   r.whole("fps", video.fps, {1, 240, false, "between 1 and 240 frames a second"});
@@ -131,7 +131,7 @@ void read_video(TomlReader& r, VideoScene& video) {
               "H.264 needs whole 2 x 2 blocks");
 }
 
-void read_camera(TomlReader& r, CameraScene& camera) {
+void read_camera(TomlReader& r, CameraSettings& camera) {
   r.vector("eye", camera.eye);
   r.vector("target", camera.target);
   r.number("vertical_fov", camera.vertical_fov,
@@ -143,7 +143,7 @@ void read_camera(TomlReader& r, CameraScene& camera) {
 
 }  // namespace
 
-void put_texture(SurfaceScene& surface, const std::string& texture) {
+void put_texture(SurfaceSettings& surface, const std::string& texture) {
   surface.texture = texture;
   surface.depth.reset();
   surface.green.reset();
@@ -198,13 +198,13 @@ Result<Scene> read_scene(const std::filesystem::path& path) {
       file = beside.string();
   };
   find(scene->surface.texture);
-  for (SurfaceScene& ground : scene->grounds) {
+  for (SurfaceSettings& ground : scene->grounds) {
     find(ground.texture);
     if (ground.base && !ground.base->file.empty()) find(ground.base->file);
   }
-  for (BodyScene& body : scene->bodies)
-    for (SurfaceScene& relief : body.reliefs) find(relief.texture);
+  for (BodySettings& body : scene->bodies)
+    for (SurfaceSettings& relief : body.reliefs) find(relief.texture);
   return scene;
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::scene

@@ -13,7 +13,7 @@
 #include "core/toml.h"
 #include "core/vec.h"
 
-namespace intaglio::session {
+namespace intaglio::scene {
 
 namespace {
 
@@ -21,7 +21,7 @@ constexpr Range length{0.001, 10, false, "a length must be between 0.001 m and 1
 
 // Positions are those of the world, or of the floor: x to the right, y out of it, z towards its lower edge,
 // from its middle.
-Pose read_frame(TomlReader& r, const SurfaceScene& floor) {
+Pose read_frame(TomlReader& r, const SurfaceSettings& floor) {
   int frame = 0;
   r.choice("frame", {"world", "floor"}, frame);
   return frame == 0 ? Pose{} : Pose{floor.position, rotation_of(floor.rotation)};
@@ -76,7 +76,7 @@ contact::Shape read_shape(TomlReader& r, std::string& name) {
   }
 }
 
-void read_flipper(TomlReader& r, BodyScene& body) {
+void read_flipper(TomlReader& r, BodySettings& body) {
   Flipper flipper;
   const bool is_flipper = r.has("key");
   r.choice("key", {"left", "right"}, flipper.key);
@@ -111,8 +111,8 @@ void read_direction(TomlReader& r, const char* key, Vec3& direction) {
     r.fail_at(key, std::string(key) + " has no direction", "give a vector that is not zero");
 }
 
-void read_ball(TomlReader& r, const SurfaceScene& floor, std::vector<BallScene>& balls) {
-  BallScene ball;
+void read_ball(TomlReader& r, const SurfaceSettings& floor, std::vector<BallSettings>& balls) {
+  BallSettings ball;
   ball.material = *find_material("plastic");
   r.number("radius", ball.radius, {0.001, 10, false, "a radius must be between 0.001 m and 10 m"});
   read_material(r, "material", ball.material);
@@ -132,8 +132,8 @@ void read_ball(TomlReader& r, const SurfaceScene& floor, std::vector<BallScene>&
   balls.push_back(ball);
 }
 
-void read_body(TomlReader& r, const SurfaceScene& floor, std::vector<BodyScene>& bodies) {
-  BodyScene body;
+void read_body(TomlReader& r, const SurfaceSettings& floor, std::vector<BodySettings>& bodies) {
+  BodySettings body;
   dynamics::ShapeBody& is = body.body;
   is.shape = read_shape(r, body.name);
   is.material = *find_material("wood");
@@ -161,7 +161,7 @@ void read_body(TomlReader& r, const SurfaceScene& floor, std::vector<BodyScene>&
 
 // Textures of a scene file, and the curved bases and bodies that they lie on.
 
-void read_texture(TomlReader& r, SurfaceScene& surface) {
+void read_texture(TomlReader& r, SurfaceSettings& surface) {
   r.text("texture", surface.texture);
   surface.line = r.line_of("texture");
   if (r.has("green")) {
@@ -199,23 +199,23 @@ void read_repeat(TomlReader& r, Vec2& repeat) {
     r.fail_at("repeat", "a texture is repeated in part", "give whole numbers");
 }
 
-void only_keys_of_base(TomlReader& r, BaseScene::Shape shape) {
+void only_keys_of_base(TomlReader& r, BaseSettings::Shape shape) {
   const std::vector<const char*> all = {"radius", "height", "file", "repeat"};
   switch (shape) {
-    case BaseScene::Shape::bowl:
+    case BaseSettings::Shape::bowl:
       return r.only_keys("a bowl", {"radius", "repeat"}, all);
-    case BaseScene::Shape::cylinder:
+    case BaseSettings::Shape::cylinder:
       return r.only_keys("a cylinder", {"radius", "height", "repeat"}, all);
-    case BaseScene::Shape::sphere:
+    case BaseSettings::Shape::sphere:
       return r.only_keys("a sphere", {"radius", "repeat"}, all);
-    case BaseScene::Shape::mesh:
+    case BaseSettings::Shape::mesh:
       return r.only_keys("a mesh", {"file", "repeat"}, all);
   }
 }
 
 // On the side of a box that its Y leaves by, or, upside down, comes in by.
-SurfaceScene face_of(const contact::Box& box, bool bottom) {
-  SurfaceScene face;
+SurfaceSettings face_of(const contact::Box& box, bool bottom) {
+  SurfaceSettings face;
   face.size = {2 * box.half.x(), 2 * box.half.z()};
   face.position = {0, bottom ? -box.half.y() : box.half.y(), 0};
   face.rotation = {bottom ? 180.0 : 0.0, 0, 0};
@@ -225,29 +225,29 @@ SurfaceScene face_of(const contact::Box& box, bool bottom) {
 
 }  // namespace
 
-void read_base(TomlReader& r, SurfaceScene& surface) {
+void read_base(TomlReader& r, SurfaceSettings& surface) {
   r.table("base", [&](TomlReader& reader) {
-    BaseScene& base = surface.base.emplace();
+    BaseSettings& base = surface.base.emplace();
     int shape = 0;
     reader.choice("shape", {"bowl", "cylinder", "sphere", "mesh"}, shape);
-    base.shape = static_cast<BaseScene::Shape>(shape);
+    base.shape = static_cast<BaseSettings::Shape>(shape);
     reader.number("radius", base.radius, {0.01, 100, false, "a radius must be between 0.01 m and 100 m"});
     reader.number("height", base.height, {0.01, 100, false, "a height must be between 0.01 m and 100 m"});
     reader.text("file", base.file);
     read_repeat(reader, base.repeat);
     base.line = reader.line_of("file");
     only_keys_of_base(reader, base.shape);
-    if (base.shape == BaseScene::Shape::mesh && base.file.empty())
+    if (base.shape == BaseSettings::Shape::mesh && base.file.empty())
       reader.fail_at("shape", "a mesh has no file", "give file = \"bowl.glb\", with texture coordinates");
   });
   if (surface.base) r.only_keys("a ground with a base", {"base"}, {"size"});
 }
 
-void read_reliefs(TomlReader& r, const contact::Shape& shape, std::vector<SurfaceScene>& reliefs) {
+void read_reliefs(TomlReader& r, const contact::Shape& shape, std::vector<SurfaceSettings>& reliefs) {
   const auto* box = std::get_if<contact::Box>(&shape);
   const auto* ball = std::get_if<contact::Sphere>(&shape);
   const auto read_face = [&](TomlReader& t, bool bottom) {
-    SurfaceScene face = face_of(box == nullptr ? contact::Box{Vec3::Ones()} : *box, bottom);
+    SurfaceSettings face = face_of(box == nullptr ? contact::Box{Vec3::Ones()} : *box, bottom);
     read_texture(t, face);
     reliefs.push_back(std::move(face));
   };
@@ -259,9 +259,9 @@ void read_reliefs(TomlReader& r, const contact::Shape& shape, std::vector<Surfac
   if (ball == nullptr && r.has("skin"))
     r.fail_at("skin", "this body has no skin", "a sphere has; a box may have a top and a bottom");
   r.table("skin", [&](TomlReader& t) {
-    SurfaceScene skin;
-    BaseScene& base = skin.base.emplace();
-    base.shape = BaseScene::Shape::sphere;
+    SurfaceSettings skin;
+    BaseSettings& base = skin.base.emplace();
+    base.shape = BaseSettings::Shape::sphere;
     base.radius = ball == nullptr ? 1 : ball->radius;
     read_texture(t, skin);
     read_repeat(t, base.repeat);
@@ -372,4 +372,4 @@ std::optional<contact::Shape> letter_shape(const std::string& text, const Vec3& 
   return std::nullopt;
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::scene

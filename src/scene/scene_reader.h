@@ -10,7 +10,7 @@
 #include "core/toml.h"
 #include "scene/scene.h"
 
-namespace intaglio::session {
+namespace intaglio::scene {
 
 inline Range positive(const char* says, double high = std::numeric_limits<double>::max()) {
   return {0, high, true, says};
@@ -22,15 +22,15 @@ inline Range at_least_zero(const char* says, double high = std::numeric_limits<d
 void read_direction(TomlReader& r, const char* key, Vec3& direction);
 
 // Which texture, and how it is taken.
-void read_texture(TomlReader& r, SurfaceScene& surface);
+void read_texture(TomlReader& r, SurfaceSettings& surface);
 // The curved base of a ground.
-void read_base(TomlReader& r, SurfaceScene& surface);
+void read_base(TomlReader& r, SurfaceSettings& surface);
 // The reliefs of a body of that shape.
-void read_reliefs(TomlReader& r, const contact::Shape& shape, std::vector<SurfaceScene>& reliefs);
+void read_reliefs(TomlReader& r, const contact::Shape& shape, std::vector<SurfaceSettings>& reliefs);
 
 // Each adds what the table says; `floor` is the frame of those that ask for it.
-void read_ball(TomlReader& r, const SurfaceScene& floor, std::vector<BallScene>& balls);
-void read_body(TomlReader& r, const SurfaceScene& floor, std::vector<BodyScene>& bodies);
+void read_ball(TomlReader& r, const SurfaceSettings& floor, std::vector<BallSettings>& balls);
+void read_body(TomlReader& r, const SurfaceSettings& floor, std::vector<BodySettings>& bodies);
 
 // Blocks in the shape of letters: compounds of boxes, cut from a 5 x 7 raster.
 
@@ -38,4 +38,4 @@ void read_body(TomlReader& r, const SurfaceScene& floor, std::vector<BodyScene>&
 // (X), thickness (Y) and height (Z, the head towards -Z), metres. Its middle is the origin.
 std::optional<contact::Shape> letter_shape(const std::string& text, const Vec3& size);
 
-}  // namespace intaglio::session
+}  // namespace intaglio::scene

@@ -12,12 +12,12 @@
 #include "surface/maps.h"
 #include "surface/recipes/builtin.h"
 
-namespace intaglio::session {
+namespace intaglio::scene {
 
 namespace {
 
 // On its rectangle.
-Result<SceneSurface> make_flat(const SurfaceScene& from) {
+Result<SceneSurface> make_flat(const SurfaceSettings& from) {
   SceneSurface out;
   out.material = *find_material("brick");
   surface::Texels texels;
@@ -56,8 +56,8 @@ Result<SceneSurface> make_flat(const SurfaceScene& from) {
   return out;
 }
 
-Result<SceneSurface> make_one(const SurfaceScene& from) {
-  SurfaceScene measured = from;
+Result<SceneSurface> make_one(const SurfaceSettings& from) {
+  SurfaceSettings measured = from;
   std::optional<surface::MeshPlacement> base;
   if (from.base) {
     auto made = make_base(*from.base, {from.position, rotation_of(from.rotation)});
@@ -75,10 +75,10 @@ Result<SceneSurface> make_one(const SurfaceScene& from) {
 }
 
 // Of a body the box must be left between its reliefs.
-Result<std::vector<SceneSurface>> make_reliefs(const BodyScene& body) {
+Result<std::vector<SceneSurface>> make_reliefs(const BodySettings& body) {
   std::vector<SceneSurface> out;
   double depth = 0;
-  for (const SurfaceScene& relief : body.reliefs) {
+  for (const SurfaceSettings& relief : body.reliefs) {
     auto made = make_one(relief);
     if (!made) return tl::unexpected(made.error());
     if (!made->curved) {
@@ -100,7 +100,7 @@ Result<std::vector<SceneSurface>> make_reliefs(const BodyScene& body) {
 
 }  // namespace
 
-dynamics::ShapeBody textured(const BodyScene& body, const std::vector<SceneSurface>& reliefs) {
+dynamics::ShapeBody textured(const BodySettings& body, const std::vector<SceneSurface>& reliefs) {
   dynamics::ShapeBody out = body.body;
   for (const SceneSurface& relief : reliefs) {
     if (relief.curved) {
@@ -115,13 +115,13 @@ dynamics::ShapeBody textured(const BodyScene& body, const std::vector<SceneSurfa
 Result<SceneSurface> make_surface(const Scene& scene) {
   auto floor = make_one(scene.surface);
   if (!floor) return floor;
-  for (const SurfaceScene& ground : scene.grounds) {
+  for (const SurfaceSettings& ground : scene.grounds) {
     auto made = make_one(ground);
     if (!made) return made;
     floor->grounds.push_back(std::move(*made));
   }
   if (auto checked = check_covered_texels(scene, *floor); !checked) return tl::unexpected(checked.error());
-  for (const BodyScene& body : scene.bodies) {
+  for (const BodySettings& body : scene.bodies) {
     auto made = make_reliefs(body);
     if (!made) return tl::unexpected(made.error());
     floor->reliefs.push_back(std::move(*made));
@@ -137,14 +137,14 @@ int pieces(int wanted, double repeat) {
   return times * ((wanted + times - 1) / times);
 }
 
-Result<surface::TriangleMesh> mesh_of(const BaseScene& base) {
+Result<surface::TriangleMesh> mesh_of(const BaseSettings& base) {
   const int around = pieces(64, base.repeat.x()), up = pieces(32, base.repeat.y());
   switch (base.shape) {
-    case BaseScene::Shape::cylinder:
+    case BaseSettings::Shape::cylinder:
       return surface::make_cylinder(base.radius, base.height, around, pieces(1, base.repeat.y()));
-    case BaseScene::Shape::sphere:
+    case BaseSettings::Shape::sphere:
       return surface::make_sphere(base.radius, around, up);
-    case BaseScene::Shape::mesh:
+    case BaseSettings::Shape::mesh:
       return surface::read_mesh(base.file);
     default:
       return surface::make_bowl(base.radius, around, up);
@@ -153,7 +153,7 @@ Result<surface::TriangleMesh> mesh_of(const BaseScene& base) {
 
 }  // namespace
 
-Result<surface::MeshPlacement> make_base(const BaseScene& base, const Pose& pose) {
+Result<surface::MeshPlacement> make_base(const BaseSettings& base, const Pose& pose) {
   auto mesh = mesh_of(base);
   if (!mesh) return tl::unexpected(mesh.error());
   for (Vec2& uv : mesh->uvs) uv = uv.cwiseProduct(base.repeat);
@@ -184,8 +184,8 @@ constexpr double slow = 1e5, most = 1e6;  // texels
 
 double largest_ball(const Scene& scene) {
   double radius = 0;
-  for (const BallScene& ball : scene.balls) radius = std::max(radius, ball.radius);
-  for (const BodyScene& body : scene.bodies)
+  for (const BallSettings& ball : scene.balls) radius = std::max(radius, ball.radius);
+  for (const BodySettings& body : scene.bodies)
     if (const auto* ball = std::get_if<contact::Sphere>(&body.body.shape))
       radius = std::max(radius, ball->radius);
   return radius;
@@ -218,4 +218,4 @@ Result<void> check_covered_texels(const Scene& scene, SceneSurface& floor) {
   return {};
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::scene

@@ -11,7 +11,7 @@
 #include "mesh/relief_mesh.h"
 #include "scene/scene.h"
 
-namespace intaglio::session {
+namespace intaglio::scene {
 
 struct SceneSurface {
   std::shared_ptr<const surface::Surface> surface;  // on a curved base: its rectangle measures u and v
@@ -25,7 +25,7 @@ struct SceneSurface {
 };
 
 // A body with its reliefs.
-dynamics::ShapeBody textured(const BodyScene& body, const std::vector<SceneSurface>& reliefs);
+dynamics::ShapeBody textured(const BodySettings& body, const std::vector<SceneSurface>& reliefs);
 
 // The floor with all grounds and bodies' reliefs. Tenths of a second a texture of 512 x 512.
 Result<SceneSurface> make_surface(const Scene& scene);
@@ -34,7 +34,7 @@ Result<SceneSurface> make_surface(const Scene& scene);
 
 // About its own middle, with the texture as often over it as is wanted; triangles end where it does. A mesh
 // of a file as it is there.
-Result<surface::MeshPlacement> make_base(const BaseScene& base, const Pose& pose);
+Result<surface::MeshPlacement> make_base(const BaseSettings& base, const Pose& pose);
 
 // m, how long one texture is along u and v, the mean over the base.
 Vec2 texture_size(const surface::TriangleMesh& mesh);
@@ -51,4 +51,4 @@ double covered_texels(const SceneSurface& relief, double radius);
 // hundred thousand on there is a note that steps take long.
 Result<void> check_covered_texels(const Scene& scene, SceneSurface& floor);
 
-}  // namespace intaglio::session
+}  // namespace intaglio::scene

@@ -17,7 +17,7 @@
 #include "sound/model_file.h"
 #include "sound/bake/bake.h"
 
-namespace intaglio::session {
+namespace intaglio::scene {
 
 namespace {
 
@@ -116,7 +116,7 @@ sound::TetMesh box_mesh(const Vec3& size, int cells) {
 }
 
 // A curved ground rings like the flat slab over its bounds.
-void add_curved(Bakery& bakery, BodyId id, const std::string& name, const SurfaceScene& ground,
+void add_curved(Bakery& bakery, BodyId id, const std::string& name, const SurfaceSettings& ground,
                 const SceneSurface& made) {
   const surface::Box bounds = made.curved->bounds();
   const Vec3 size(bounds.sizes().x(), ground.thickness, bounds.sizes().z());
@@ -130,7 +130,7 @@ void add_curved(Bakery& bakery, BodyId id, const std::string& name, const Surfac
       [size] { return box_mesh(size, 16); }, made.material);
 }
 
-void add_slab(Bakery& bakery, BodyId id, const std::string& name, const SurfaceScene& slab,
+void add_slab(Bakery& bakery, BodyId id, const std::string& name, const SurfaceSettings& slab,
               const SceneSurface& made) {
   // The slab hangs below the base plane; its modal model is a box about its middle, Y up.
   sound::SoundBody body;
@@ -183,7 +183,7 @@ Solid solid_of(const contact::Shape& shape) {
 
 void add_bodies(Bakery& bakery, const Scene& scene, const SceneSurface& surface) {
   for (std::size_t k = 0; k < scene.balls.size(); ++k) {
-    const BallScene& ball = scene.balls[k];
+    const BallSettings& ball = scene.balls[k];
     sound::SoundBody body;
     body.id = static_cast<BodyId>(k + 1);
     body.radius_of_curvature = ball.radius;
@@ -193,7 +193,7 @@ void add_bodies(Bakery& bakery, const Scene& scene, const SceneSurface& surface)
         ball.material);
   }
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
-    const BodyScene& from = scene.bodies[k];
+    const BodySettings& from = scene.bodies[k];
     sound::SoundBody body;
     body.id = static_cast<BodyId>(scene.balls.size() + k + 1);
     body.is_fixed = from.body.motion != dynamics::Motion::free;
@@ -305,4 +305,4 @@ void VoiceBaker::work(const std::shared_ptr<Shared>& shared) {
   }
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::scene

@@ -18,7 +18,7 @@
 #include "scene/surfaces.h"
 #include "sound/synthesizer.h"
 
-namespace intaglio::session {
+namespace intaglio::scene {
 
 // A body that rings: what was baked for it.
 struct Voice {
@@ -74,4 +74,4 @@ class VoiceBaker {
   std::shared_ptr<Shared> shared_;
 };
 
-}  // namespace intaglio::session
+}  // namespace intaglio::scene

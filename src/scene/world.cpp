@@ -6,7 +6,7 @@
 
 #include "core/vec.h"
 
-namespace intaglio::session {
+namespace intaglio::scene {
 
 namespace {
 
@@ -41,7 +41,7 @@ SceneWorld::SceneWorld(const Scene& scene, const SceneSurface& surface, Represen
       world_.add_surface(ground.surface, ground.material);
     }
   }
-  for (const BallScene& ball : balls_) world_.add(ball);
+  for (const BallSettings& ball : balls_) world_.add(ball);
   for (std::size_t k = 0; k < bodies_.size(); ++k)
     world_.add(k < surface.reliefs.size() ? textured(bodies_[k], surface.reliefs[k]) : bodies_[k].body);
 }
@@ -81,7 +81,7 @@ void SceneWorld::kick() {
     if (is_surface(event.other) || event.other <= balls_.size() || event.other > count()) continue;
     const double speed = bodies_[event.other - balls_.size() - 1].kick;
     if (speed <= 0 || event.body > balls_.size() || event.phase != ContactPhase::begin) continue;
-    const BallScene& ball = balls_[event.body - 1];
+    const BallSettings& ball = balls_[event.body - 1];
     world_.push(event.body, ball.mass() * speed * event.n_g);
   }
 }
@@ -96,7 +96,7 @@ void SceneWorld::respawn() {
 void SceneWorld::put_back(std::size_t k) {
   const auto id = static_cast<BodyId>(k + 1);
   if (k < balls_.size()) {
-    const BallScene& ball = balls_[k];
+    const BallSettings& ball = balls_[k];
     world_.put(id, {ball.position, Quat::Identity()}, ball.velocity, ball.angular_velocity);
   } else if (is_free(id)) {
     const dynamics::ShapeBody& body = bodies_[k - balls_.size()].body;
@@ -116,4 +116,4 @@ void SceneWorld::follow(const SceneWorld& other) {
   }
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::scene

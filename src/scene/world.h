@@ -10,7 +10,7 @@
 #include "scene/scene.h"
 #include "scene/surfaces.h"
 
-namespace intaglio::session {
+namespace intaglio::scene {
 
 // Bits of the keys that flippers listen to.
 inline constexpr unsigned left_key = 1, right_key = 2;
@@ -44,12 +44,12 @@ class SceneWorld {
   void respawn();
   void put_back(std::size_t k);
 
-  std::vector<BallScene> balls_;
-  std::vector<BodyScene> bodies_;
+  std::vector<BallSettings> balls_;
+  std::vector<BodySettings> bodies_;
   std::optional<double> respawn_below_;
   double step_;
   std::vector<double> struck_;  // of each body's flipper, 0 rest to 1 struck
   dynamics::World world_;
 };
 
-}  // namespace intaglio::session
+}  // namespace intaglio::scene

@@ -62,20 +62,20 @@ using Clock = std::chrono::steady_clock;
 // How far physics may fall behind before it leaves steps out, s.
 constexpr double patience = 0.1;
 
-Scene with_pen(Scene scene) {
+scene::Scene with_pen(scene::Scene scene) {
   if (!scene.pen) scene.pen = pen_for(scene);
   return scene;
 }
 
-Representation taken(const Scene& scene, bool takes_texture) {
+Representation taken(const scene::Scene& scene, bool takes_texture) {
   return takes_texture ? scene.surface.representation : Representation::flat;
 }
 
 }  // namespace
 
-PenScene pen_for(const Scene& scene) {
+scene::PenSettings pen_for(const scene::Scene& scene) {
   if (scene.pen) return *scene.pen;
-  PenScene pen;
+  scene::PenSettings pen;
   const double side = scene.surface.size.maxCoeff();
   // The whole floor is within the workspace of a desktop device.
   pen.workspace.scale = std::max(1.0, 1.2 * side / pen.device.workspace.x());
@@ -85,15 +85,15 @@ PenScene pen_for(const Scene& scene) {
   return pen;
 }
 
-LiveSession::LiveSession(const Scene& scene, const SceneSurface& surface, const LiveOptions& options,
-                         haptics::Device* device)
+LiveSession::LiveSession(const scene::Scene& scene, const scene::SceneSurface& surface,
+                         const LiveOptions& options, haptics::Device* device)
     : scene_(with_pen(scene)),
       surface_(surface),
       options_(options),
       loop_(scene_, surface, taken(scene, options.moves), taken(scene, options.feels),
             [this](const ContactEvent& event) { emit(event); }),
       gain_db_(options.gain_db) {
-  const PenScene& pen = *scene_.pen;
+  const scene::PenSettings& pen = *scene_.pen;
   if (device == nullptr) {
     const Vec3 above =
         scene_.surface.position + 0.3 * scene_.surface.size.maxCoeff() * surface.surface->placement().n();
@@ -105,7 +105,8 @@ LiveSession::LiveSession(const Scene& scene, const SceneSurface& surface, const 
   publish();
 }
 
-Result<std::unique_ptr<LiveSession>> LiveSession::create(const Scene& scene, const SceneSurface& surface,
+Result<std::unique_ptr<LiveSession>> LiveSession::create(const scene::Scene& scene,
+                                                         const scene::SceneSurface& surface,
                                                          const LiveOptions& options,
                                                          haptics::Device* device) {
   if (scene.balls.size() + scene.bodies.size() > most_live_bodies)
@@ -118,7 +119,7 @@ LiveSession::~LiveSession() {
   stop();
 }
 
-void LiveSession::start(AudioTap* tap, VoiceBaker* baker) {
+void LiveSession::start(AudioTap* tap, scene::VoiceBaker* baker) {
   if (running_.exchange(true)) return;
   publish();
   exchange_with_pen(1);
@@ -138,8 +139,8 @@ void LiveSession::stop() {
   baker_ = nullptr;
 }
 
-Scene LiveSession::heard() const {
-  Scene scene = scene_;
+scene::Scene LiveSession::heard() const {
+  scene::Scene scene = scene_;
   scene.surface.representation = taken(scene_, options_.hears);
   return scene;
 }
@@ -153,12 +154,12 @@ void LiveSession::control(const Controls& controls) {
   begin_sound(std::move(*voices));
 }
 
-void LiveSession::begin_sound(Result<Voices> voices) {
+void LiveSession::begin_sound(Result<scene::Voices> voices) {
   if (!voices) {
     message_ = "no sound: " + voices.error().message();
     return;
   }
-  sound::SynthesizerOptions options = synthesizer_options(heard());
+  sound::SynthesizerOptions options = scene::synthesizer_options(heard());
   options.sample_rate = options_.sample_rate;
   if (!options_.hears) options.micro_level = 0;
   sound::LiveOptions live;

@@ -125,13 +125,14 @@ struct LiveOptions {
 };
 
 // The scene's pen, or one that fits its floor.
-PenScene pen_for(const Scene& scene);
+scene::PenSettings pen_for(const scene::Scene& scene);
 
 class LiveSession {
  public:
   // `surface` is make_surface(scene)'s, so that an unchanged texture need not be made again. `device` is the
   // pen's; none: a MouseDevice. It outlives the session.
-  static Result<std::unique_ptr<LiveSession>> create(const Scene& scene, const SceneSurface& surface,
+  static Result<std::unique_ptr<LiveSession>> create(const scene::Scene& scene,
+                                                     const scene::SceneSurface& surface,
                                                      const LiveOptions& options,
                                                      haptics::Device* device = nullptr);
   ~LiveSession();
@@ -144,7 +145,7 @@ class LiveSession {
     resets_done_ = other.resets_done_;
   }
   // `tap` is what the audio device plays, `baker` makes what rings; null: no sound.
-  void start(AudioTap* tap, VoiceBaker* baker);
+  void start(AudioTap* tap, scene::VoiceBaker* baker);
   void stop();
 
   // Once a picture: what is wanted of physics from now on.
@@ -157,8 +158,8 @@ class LiveSession {
   void set_listener(const sound::Listener& listener);
   void set_gain_db(double gain_db);
 
-  const Scene& scene() const { return scene_; }
-  const SceneSurface& surface() const { return surface_; }
+  const scene::Scene& scene() const { return scene_; }
+  const scene::SceneSurface& surface() const { return surface_; }
   const LiveOptions& options() const { return options_; }
   bool is_free(BodyId id) const { return loop_.world().is_free(id); }
   haptics::ServoLoop& servo() { return *servo_; }
@@ -170,19 +171,19 @@ class LiveSession {
   std::string take_message();
 
  private:
-  LiveSession(const Scene& scene, const SceneSurface& surface, const LiveOptions& options,
+  LiveSession(const scene::Scene& scene, const scene::SceneSurface& surface, const LiveOptions& options,
               haptics::Device* device);
 
-  void begin_sound(Result<Voices> voices);
-  Scene heard() const;
+  void begin_sound(Result<scene::Voices> voices);
+  scene::Scene heard() const;
   void run();
   void step(const Controls& controls);
   void exchange_with_pen(double speed);
   void emit(const ContactEvent& event);
   void publish();
 
-  Scene scene_;
-  SceneSurface surface_;
+  scene::Scene scene_;
+  scene::SceneSurface surface_;
   LiveOptions options_;
   SceneLoop loop_;
   std::unique_ptr<MouseDevice> mouse_;
@@ -190,7 +191,7 @@ class LiveSession {
   haptics::ServoReport report_;  // the physics thread's newest
 
   AudioTap* tap_ = nullptr;
-  VoiceBaker* baker_ = nullptr;
+  scene::VoiceBaker* baker_ = nullptr;
   std::uint64_t ticket_ = 0;
   std::unique_ptr<sound::LiveSound> owned_sound_;
   std::atomic<sound::LiveSound*> sound_{nullptr};

@@ -56,7 +56,7 @@ struct Recording {
   std::vector<float> stereo;                // -1..1, interleaved, at the camera
   std::vector<float> audio;                 // the mean of both sides
   std::vector<KeyFrame> key_frames;
-  std::vector<Voice> voices;
+  std::vector<scene::Voice> voices;
 
   std::vector<SenseCost> costs;
   double bake_s = 0;             // CPU time of the modal analysis

@@ -21,8 +21,8 @@ std::size_t UnionSolid::deepest(const Vec3& p) const {
   return deepest;
 }
 
-haptics::ServoOptions pen_options(const Scene& scene, const Material& floor) {
-  const PenScene& pen = *scene.pen;
+haptics::ServoOptions pen_options(const scene::Scene& scene, const Material& floor) {
+  const scene::PenSettings& pen = *scene.pen;
   haptics::ServoOptions options;
   options.representation = scene.surface.representation;
   options.method = pen.method;
@@ -42,13 +42,13 @@ haptics::ServoOptions pen_options(const Scene& scene, const Material& floor) {
   return options;
 }
 
-PenLink::PenLink(const Scene& scene, const SceneSurface& surface, Representation felt)
+PenLink::PenLink(const scene::Scene& scene, const scene::SceneSurface& surface, Representation felt)
     : id_(BodyId(scene.balls.size() + scene.bodies.size() + 1)),
       length_(scene.pen->length),
       up_(scene.pen->direction.normalized()),
       options_(pen_options(scene, surface.material)) {
   options_.representation = felt;
-  for (const BallScene& ball : scene.balls)
+  for (const scene::BallSettings& ball : scene.balls)
     if (ball_radii_.size() < haptics::most_balls) ball_radii_.push_back(ball.radius);
   pushed_.assign(ball_radii_.size(), Vec3::Zero());
   grounds_.push_back({floor_body, surface.surface, std::nullopt, scene.surface.thickness});
@@ -74,7 +74,7 @@ haptics::PenServo PenLink::make_servo() const {
   return {grounds_[0].surface, solid_, options_};
 }
 
-void PenLink::push_balls(const haptics::ServoReport& report, SceneWorld& world) {
+void PenLink::push_balls(const haptics::ServoReport& report, scene::SceneWorld& world) {
   // Through the centre: the pen meets a ball along the line from the ball's centre to its own axis.
   for (std::size_t k = 0; k < pushed_.size(); ++k) {
     const Vec3& sum = report.ball_impulse[k];
@@ -83,7 +83,7 @@ void PenLink::push_balls(const haptics::ServoReport& report, SceneWorld& world) 
   }
 }
 
-haptics::SceneSnapshot PenLink::snapshot(const SceneWorld& world, double speed) const {
+haptics::SceneSnapshot PenLink::snapshot(const scene::SceneWorld& world, double speed) const {
   haptics::SceneSnapshot scene;
   scene.time = world.world().time();
   scene.ball_count = ball_radii_.size();
@@ -148,7 +148,7 @@ void PenLink::emit_contact(const haptics::ServoReport& report, double time, doub
   touched_ = now;
 }
 
-SceneLoop::SceneLoop(const Scene& scene, const SceneSurface& surface, Representation moved,
+SceneLoop::SceneLoop(const scene::Scene& scene, const scene::SceneSurface& surface, Representation moved,
                      Representation felt, ContactSink sink)
     : step_(1.0 / scene.physics.rate), world_(scene, surface, moved), sink_(std::move(sink)) {
   if (scene.pen) pen_.emplace(scene, surface, felt);

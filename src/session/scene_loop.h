@@ -36,7 +36,7 @@ class UnionSolid : public haptics::Solid {
 };
 
 // How the scene's pen is felt on a floor of that material. The scene has a pen.
-haptics::ServoOptions pen_options(const Scene& scene, const Material& floor);
+haptics::ServoOptions pen_options(const scene::Scene& scene, const Material& floor);
 
 using ContactSink = std::function<void(const ContactEvent&)>;
 
@@ -44,14 +44,14 @@ using ContactSink = std::function<void(const ContactEvent&)>;
 class PenLink {
  public:
   // Of a scene with a pen. `felt`: how much of the textures the pen feels.
-  PenLink(const Scene& scene, const SceneSurface& surface, Representation felt);
+  PenLink(const scene::Scene& scene, const scene::SceneSurface& surface, Representation felt);
 
   // Meets the floor and all grounds; with the paper's planes, which are made of one surface, the floor only.
   haptics::PenServo make_servo() const;
   // Gives the balls what the pen has pushed since the last call.
-  void push_balls(const haptics::ServoReport& report, SceneWorld& world);
+  void push_balls(const haptics::ServoReport& report, scene::SceneWorld& world);
   // Balls as they are drawn. `speed`: simulated seconds a second of the servo's clock; 0 while paused.
-  haptics::SceneSnapshot snapshot(const SceneWorld& world, double speed = 1) const;
+  haptics::SceneSnapshot snapshot(const scene::SceneWorld& world, double speed = 1) const;
   // Emits the pen's contact over the `duration` seconds that end at `time`, if it touches or has just let go.
   void emit_contact(const haptics::ServoReport& report, double time, double duration,
                     const ContactSink& sink);
@@ -90,11 +90,11 @@ struct StepInput {
 class SceneLoop {
  public:
   // `moved`, `felt`: how much of the textures bodies meet and the pen feels.
-  SceneLoop(const Scene& scene, const SceneSurface& surface, Representation moved, Representation felt,
-            ContactSink sink);
+  SceneLoop(const scene::Scene& scene, const scene::SceneSurface& surface, Representation moved,
+            Representation felt, ContactSink sink);
 
-  SceneWorld& world() { return world_; }
-  const SceneWorld& world() const { return world_; }
+  scene::SceneWorld& world() { return world_; }
+  const scene::SceneWorld& world() const { return world_; }
   double time() const { return world_.world().time(); }
   // Absent when the scene has none.
   PenLink* pen() { return pen_ ? &*pen_ : nullptr; }
@@ -113,7 +113,7 @@ class SceneLoop {
   void drag(const StepInput& input);
 
   double step_;  // s
-  SceneWorld world_;
+  scene::SceneWorld world_;
   std::optional<PenLink> pen_;
   ContactSink sink_;
 };

@@ -14,29 +14,29 @@ namespace {
 constexpr std::size_t block_size = 64;
 
 // What the scene's pen cannot display without the hand's help, if anything.
-std::optional<std::string> stability_of(const PenScene& pen) {
+std::optional<std::string> stability_of(const scene::PenSettings& pen) {
   const haptics::DeviceDynamics device{pen.hand.damping, 0.02, pen.device.resolution, pen.device.rate};
   return haptics::stability_warning(device, pen.spring.stiffness, pen.spring.damping);
 }
 
-std::vector<haptics::Waypoint> device_path(const PenScene& pen) {
+std::vector<haptics::Waypoint> device_path(const scene::PenSettings& pen) {
   std::vector<haptics::Waypoint> path = pen.path;
   for (haptics::Waypoint& waypoint : path) waypoint.position = pen.workspace.to_device(waypoint.position);
   return path;
 }
 
-int servo_rate(const Scene& scene) {
+int servo_rate(const scene::Scene& scene) {
   return scene.pen ? static_cast<int>(scene.pen->device.rate) : 1;
 }
 
 }  // namespace
 
-sound::Listener listener_of(const CameraScene& camera) {
+sound::Listener listener_of(const scene::CameraSettings& camera) {
   const Vec3 right = (camera.target - camera.eye).cross(Vec3::UnitY());
   return {camera.eye, right.norm() > 0 ? Vec3(right.normalized()) : Vec3(Vec3::UnitX())};
 }
 
-Simulation::Simulation(const Scene& scene, const SceneSurface& surface)
+Simulation::Simulation(const scene::Scene& scene, const scene::SceneSurface& surface)
     : scene_(scene),
       surface_(surface.surface),
       scene_surface_(surface),
@@ -63,7 +63,8 @@ Simulation::Simulation(const Scene& scene, const SceneSurface& surface)
   }
 }
 
-Result<std::unique_ptr<Simulation>> Simulation::create(const Scene& scene, const SceneSurface& surface) {
+Result<std::unique_ptr<Simulation>> Simulation::create(const scene::Scene& scene,
+                                                       const scene::SceneSurface& surface) {
   std::unique_ptr<Simulation> simulation(new Simulation(scene, surface));
   if (auto baked = simulation->bake(); !baked) return tl::unexpected(baked.error());
   return simulation;
@@ -71,10 +72,11 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const Scene& scene, const
 
 Result<void> Simulation::bake() {
   const std::int64_t start = process_cpu_ns();
-  auto voices = bake_voices(scene_, scene_surface_);
+  auto voices = scene::bake_voices(scene_, scene_surface_);
   if (!voices) return tl::unexpected(voices.error());
   recording_.voices = std::move(voices->voices);
-  synthesizer_ = std::make_unique<sound::Synthesizer>(synthesizer_options(scene_), std::move(voices->bodies));
+  synthesizer_ =
+      std::make_unique<sound::Synthesizer>(scene::synthesizer_options(scene_), std::move(voices->bodies));
   synthesizer_->set_listener(listener_of(scene_.camera));
   recording_.bake_s = static_cast<double>(process_cpu_ns() - start) * 1e-9;
   return {};
@@ -109,7 +111,7 @@ Snapshot Simulation::advance_to_frame(std::int64_t index) {
   run_until(clock_.due(index, scene_.video.fps));
   Snapshot snapshot;
   snapshot.time = clock_.seconds(clock_.due(index, scene_.video.fps));
-  const SceneWorld& world = loop_.world();
+  const scene::SceneWorld& world = loop_.world();
   for (std::size_t k = 0; k < world.count(); ++k)
     (k < scene_.balls.size() ? snapshot.balls : snapshot.bodies).push_back(world.pose(k));
   if (!recording_.servo.empty()) snapshot.pen_tip = recording_.servo.back().proxy;

@@ -20,7 +20,7 @@
 namespace intaglio::session {
 
 // Ears where the camera is.
-sound::Listener listener_of(const CameraScene& camera);
+sound::Listener listener_of(const scene::CameraSettings& camera);
 
 // Where everything is, for one picture.
 struct Snapshot {
@@ -32,7 +32,8 @@ struct Snapshot {
 class Simulation {
  public:
   // Bakes the modal models (seconds).
-  static Result<std::unique_ptr<Simulation>> create(const Scene& scene, const SceneSurface& surface);
+  static Result<std::unique_ptr<Simulation>> create(const scene::Scene& scene,
+                                                    const scene::SceneSurface& surface);
 
   // Runs everything that is due before or at frame `index`, and shows where things are then.
   Snapshot advance_to_frame(std::int64_t index);
@@ -42,7 +43,7 @@ class Simulation {
   Recording& recording() { return recording_; }
 
  private:
-  Simulation(const Scene& scene, const SceneSurface& surface);
+  Simulation(const scene::Scene& scene, const scene::SceneSurface& surface);
 
   Result<void> bake();
   void run_until(Ticks end);
@@ -51,9 +52,9 @@ class Simulation {
   void step_sound();
   void record(const ContactEvent& event);
 
-  Scene scene_;
+  scene::Scene scene_;
   std::shared_ptr<const surface::Surface> surface_;
-  SceneSurface scene_surface_;
+  scene::SceneSurface scene_surface_;
   Clock clock_;
   SceneLoop loop_;
   std::optional<haptics::SimulatedDevice> device_;

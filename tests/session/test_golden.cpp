@@ -17,6 +17,8 @@
 
 namespace intaglio::session {
 
+using namespace scene;
+
 namespace {
 
 constexpr int width = 240, height = 135, block = 5;
@@ -31,8 +33,8 @@ Image8 first_picture(const Scene& scene, const SceneSurface& surface) {
   const auto parts = surface_parts(scene, surface);
   REQUIRE((*renderer)->show(parts).has_value());
   std::vector<Pose> balls, bodies;
-  for (const BallScene& ball : scene.balls) balls.push_back({ball.position, Quat::Identity()});
-  for (const BodyScene& body : scene.bodies) bodies.push_back(body.body.pose);
+  for (const BallSettings& ball : scene.balls) balls.push_back({ball.position, Quat::Identity()});
+  for (const BodySettings& body : scene.bodies) bodies.push_back(body.body.pose);
   return (*renderer)->draw(ScenePicture(scene, surface).frame(balls, bodies, std::nullopt));
 }
 

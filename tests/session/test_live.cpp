@@ -10,6 +10,7 @@
 #include "sound/audio/devices.h"
 
 using namespace intaglio;
+using namespace intaglio::scene;
 using namespace intaglio::session;
 
 namespace {

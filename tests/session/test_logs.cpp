@@ -9,6 +9,7 @@
 #include <vector>
 
 using namespace intaglio;
+using namespace intaglio::scene;
 using namespace intaglio::session;
 
 namespace {

@@ -16,6 +16,8 @@
 #include "surface/import.h"
 
 using namespace intaglio;
+using namespace intaglio::scene;
+using namespace intaglio::report;
 using namespace intaglio::session;
 
 namespace {

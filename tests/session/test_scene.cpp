@@ -8,6 +8,7 @@
 #include "tests/source_folder.h"
 
 using namespace intaglio;
+using namespace intaglio::scene;
 using namespace intaglio::session;
 
 namespace {
@@ -204,7 +205,7 @@ skin = { texture = "metal_studs", repeat = [2, 1] }
   REQUIRE_MESSAGE(scene, (scene ? "" : scene.error().message()));
   REQUIRE(scene->grounds.size() == 1);
   REQUIRE(scene->grounds[0].base);
-  CHECK(scene->grounds[0].base->shape == BaseScene::Shape::cylinder);
+  CHECK(scene->grounds[0].base->shape == BaseSettings::Shape::cylinder);
   CHECK(scene->grounds[0].base->repeat == Vec2(3, 2));
   REQUIRE(scene->bodies.size() == 3);
   REQUIRE(scene->bodies[0].reliefs.size() == 2);

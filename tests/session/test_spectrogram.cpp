@@ -9,6 +9,8 @@
 #include "core/portable_math.h"
 
 using namespace intaglio;
+using namespace intaglio::scene;
+using namespace intaglio::report;
 using namespace intaglio::session;
 
 namespace {

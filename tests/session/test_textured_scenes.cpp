@@ -10,6 +10,7 @@
 #include "tests/source_folder.h"
 
 using namespace intaglio;
+using namespace intaglio::scene;
 using namespace intaglio::session;
 
 namespace {
@@ -85,14 +86,14 @@ TEST_CASE("bowl: balls stay in it, also when it is smooth; the picture has the b
 }
 
 TEST_CASE("the back of an open base has a rim, a closed base none") {
-  BaseScene base;
+  BaseSettings base;
   const auto bowl = make_base(base, {});
   REQUIRE(bowl);
   const auto& mesh = bowl->mesh();
   const render::Mesh back = back_mesh(mesh, 0.001, 0.02);
   // Each base triangle, and two for each of the 64 edges of the rim.
   CHECK(back.indices.size() == 3 * (mesh.triangles.size() + 2 * 64));
-  base.shape = BaseScene::Shape::sphere;
+  base.shape = BaseSettings::Shape::sphere;
   const auto ball = make_base(base, {});
   REQUIRE(ball);
   CHECK(back_mesh(ball->mesh(), 0.001, 0.02).indices.empty());

@@ -13,6 +13,7 @@
 #include "tests/temporary_folder.h"
 
 using namespace intaglio;
+using namespace intaglio::scene;
 using namespace intaglio::session;
 namespace fs = std::filesystem;
 
@@ -69,6 +70,6 @@ TEST_CASE(
   CHECK(bake_voices(scene, surface, options)->baked == 1);
   // Another material is another model.
   Scene other = scene;
-  for (BallScene& ball : other.balls) ball.material.density *= 1.01;
+  for (BallSettings& ball : other.balls) ball.material.density *= 1.01;
   CHECK(bake_voices(other, surface, options)->models != first->models);
 }

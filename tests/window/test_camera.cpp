@@ -60,10 +60,10 @@ TEST_CASE("orbit keeps target and distance, look keeps the eye, pan and fly keep
 }
 
 TEST_CASE("the nearest body on a ray is picked, on its surface; beside all of them nothing is") {
-  session::Scene scene;
+  scene::Scene scene;
   scene.balls.resize(2);
   scene.balls[0].radius = scene.balls[1].radius = 0.1;
-  session::BodyScene box;
+  scene::BodySettings box;
   box.body.shape = contact::Box{{0.1, 0.2, 0.1}};
   scene.bodies.push_back(box);
   const Pose poses[] = {

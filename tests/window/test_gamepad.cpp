@@ -92,9 +92,9 @@ TEST_CASE("a gamepad is taken when plugged in, read while there, and let go of w
   CHECK(gamepad.right().y() == 1);
   CHECK(gamepad.shoulders() == 0);
   pad.button(SDL_CONTROLLER_BUTTON_RIGHTSHOULDER, true);
-  CHECK(gamepad.shoulders() == session::right_key);
+  CHECK(gamepad.shoulders() == scene::right_key);
   pad.button(SDL_CONTROLLER_BUTTON_LEFTSHOULDER, true);
-  CHECK(gamepad.shoulders() == (session::left_key | session::right_key));
+  CHECK(gamepad.shoulders() == (scene::left_key | scene::right_key));
 
   pad.unplug();
   take_events(gamepad);
