@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <csignal>
+#include <cstdlib>
 #include <memory>
 
 #include "command/verb.h"
@@ -56,6 +57,8 @@ int run(const Options& options, const Common& common) {
   auto scene = scene::read_scene(options.scene);
   if (!scene) return report(scene.error());
   override_scene(options, *scene);
+  // The threads of llvmpipe, before any of ours exists; the user's setting wins.
+  setenv("LP_NUM_THREADS", std::to_string(options.threads > 1 ? options.threads : 0).c_str(), 0);
   std::signal(SIGINT, [](int) { interrupted = true; });
   std::signal(SIGTERM, [](int) { interrupted = true; });
   const auto recording =

@@ -14,13 +14,14 @@
 #include "core/file.h"
 #include "core/toml.h"
 #include "report/sound_page.h"
-#include "sound/synthesizer.h"
-#include "sound/live_sound.h"
-#include "sound/model_file.h"
+#include "session/simulation.h"
 #include "sound/audio/devices.h"
 #include "sound/audio/wav.h"
+#include "sound/live_sound.h"
 #include "sound/modal_model.h"
+#include "sound/model_file.h"
 #include "sound/strike.h"
+#include "sound/synthesizer.h"
 
 namespace intaglio::app {
 
@@ -156,7 +157,7 @@ int run_strike(const StrikeOptions& options, const Common& common) {
   return 0;
 }
 
-int run_touch(report::Touch touch, const std::string& texture, const std::string& output, double gain_db,
+int run_touch(report::TouchKind touch, const std::string& texture, const std::string& output, double gain_db,
               const Common& common) {
   if (auto writable = check_wav(output); !writable) return report(writable.error());
   scene::Scene scene = report::touch_scene(touch, texture);
@@ -237,7 +238,7 @@ void add_strike(CLI::App& sound, Common& common) {
   verb->callback([o, &common] { common.exit_code = run_strike(*o, common); });
 }
 
-void add_touch(CLI::App& sound, Common& common, report::Touch touch, const char* name, const char* help) {
+void add_touch(CLI::App& sound, Common& common, report::TouchKind touch, const char* name, const char* help) {
   CLI::App* verb = sound.add_subcommand(name, help);
   struct Options {
     std::string texture, output;
@@ -278,9 +279,9 @@ void add_sound(CLI::App& app, Common& common) {
   CLI::App* verb = app.add_subcommand("sound", "Hear models and textures; list audio devices");
   verb->require_subcommand(1);
   add_strike(*verb, common);
-  add_touch(*verb, common, report::Touch::strike, "drop", "A wooden ball falls on a texture");
-  add_touch(*verb, common, report::Touch::scrape, "scrape", "A wooden pen is dragged over a texture");
-  add_touch(*verb, common, report::Touch::roll, "roll", "A steel ball rolls over a texture");
+  add_touch(*verb, common, report::TouchKind::strike, "drop", "A wooden ball falls on a texture");
+  add_touch(*verb, common, report::TouchKind::scrape, "scrape", "A wooden pen is dragged over a texture");
+  add_touch(*verb, common, report::TouchKind::roll, "roll", "A steel ball rolls over a texture");
   add_page(*verb, common);
   verb->add_subcommand("devices", "The audio devices of this machine")->callback([&common] {
     common.exit_code = list_devices();

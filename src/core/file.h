@@ -32,6 +32,22 @@ Result<std::filesystem::path> temporary_for(const std::filesystem::path& path);
 // removes the latter.
 Result<void> check_writable(const std::filesystem::path& path);
 
+// The files of a job that fails as a whole: those that it created are removed again unless keep() is called.
+class OutputFiles {
+ public:
+  OutputFiles() = default;
+  ~OutputFiles();
+  OutputFiles(const OutputFiles&) = delete;
+  OutputFiles& operator=(const OutputFiles&) = delete;
+
+  // Call before the file is written: one that exists already is not removed.
+  void add(const std::filesystem::path& path);
+  void keep() { paths_.clear(); }
+
+ private:
+  std::vector<std::filesystem::path> paths_;
+};
+
 // Whether the name tells what is written, `kind` ("a WAV file") with `extension` (".wav"; in any case): what
 // reads it chooses by its name, and a mistyped name must not replace a file of another kind.
 Result<void> check_named(const std::filesystem::path& path, const std::string& extension,

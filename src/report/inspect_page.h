@@ -1,4 +1,4 @@
-// What `intaglio inspect` found of a texture, as JSON for programs and as a page for people.
+// The result of `intaglio inspect`, as JSON and as an HTML page.
 #pragma once
 
 #include <string>
@@ -11,8 +11,8 @@ namespace intaglio::report {
 // height map).
 std::string inspection_json(const surface::Inspection& inspection);
 
-// A self-contained page: the maps as they were understood, a relit preview, the slopes, and what suits the
-// surface.
+// A self-contained page: the maps as interpreted, a relit preview, the slopes, and the recommended
+// representation.
 std::string inspection_html(const surface::Inspection& inspection, const std::string& title);
 
 }  // namespace intaglio::report

@@ -11,12 +11,12 @@ namespace intaglio::report {
 
 struct RenderJob {
   std::filesystem::path output;  // .mp4; beside it go .wav, .html, .events.csv and .servo.csv
-  int threads = 2;               // 2: pictures are drawn and encoded while the senses go on
+  int threads = 2;               // 2: render and encode in parallel with the simulation
   bool quiet = false;
-  const std::atomic<bool>* interrupted = nullptr;  // set from outside to stop early; nothing is left behind
+  const std::atomic<bool>* interrupted = nullptr;  // set from outside to stop early; no new file remains
 };
 
-// Leaves all files or, on an error, none of them.
+// Writes all files; on an error none that was not there before remains.
 Result<session::Recording> render(const scene::Scene& scene, const RenderJob& job);
 
 }  // namespace intaglio::report

@@ -28,16 +28,16 @@ std::string section(std::string_view id, std::string_view heading, std::string_v
 std::string_view representation_text(Representation representation) {
   switch (representation) {
     case Representation::flat:
-      return "left flat";
+      return "as a flat surface";
     case Representation::normal:
-      return "taken by its normals";
+      return "by its normals";
     case Representation::relief:
-      return "taken as relief";
+      return "as relief";
   }
   return "";
 }
 
-std::string who_text(const session::Recording& recording) {
+std::string participants_text(const session::Recording& recording) {
   static constexpr std::array words = {"", "One ball", "Two balls", "Three balls", "Four balls"};
   const std::size_t balls = recording.balls.size();
   std::string who = balls < words.size() ? words[balls] : fmt::format("{} balls", balls);
@@ -45,35 +45,35 @@ std::string who_text(const session::Recording& recording) {
   return who.empty() ? "Nothing" : who;
 }
 
-// What is shown, in one sentence.
-std::string lead(const session::Recording& recording) {
+// A one-sentence summary.
+std::string summary_sentence(const session::Recording& recording) {
   std::string where = "no surface";
   if (recording.surface) {
     const surface::Placement& placement = recording.surface->placement();
-    where = fmt::format("a surface of {}&nbsp;m by {}&nbsp;m {}", number(placement.size_u()),
-                        number(placement.size_v()), representation_text(recording.representation));
+    where = fmt::format("a surface of {}&nbsp;m by {}&nbsp;m {}", format_number(placement.size_u()),
+                        format_number(placement.size_v()), representation_text(recording.representation));
   }
   return fmt::format(
       "{} on {}, for {}&nbsp;s: one texture, seen at {}&nbsp;frames a second, felt at {}&nbsp;Hz, moved at "
       "{}&nbsp;Hz and heard at {}&nbsp;Hz.",
-      who_text(recording), where, number(recording.duration, 1), recording.fps, recording.servo_rate,
-      recording.physics_rate, recording.sample_rate);
+      participants_text(recording), where, format_number(recording.duration, 1), recording.fps,
+      recording.servo_rate, recording.physics_rate, recording.sample_rate);
 }
 
-// At most so many, evenly chosen.
+// At most most_key_frames, evenly spaced.
 std::string key_frame_strip(const session::Recording& recording) {
   const std::size_t shown = std::min(recording.key_frames.size(), most_key_frames);
   std::string html = "<ul class=\"strip\">\n";
   for (std::size_t k = 0; k < shown; ++k) {
     const session::KeyFrame& frame = recording.key_frames[k * recording.key_frames.size() / shown];
     if (frame.image.empty()) continue;
-    const std::string time = number(frame.time, 2);
+    const std::string time = format_number(frame.time, 2);
     html += fmt::format(
         "<li><figure><img alt=\"The scene at {0} s\" "
         "src=\"{1}\"><figcaption>{0}&nbsp;s</figcaption></figure></li>\n",
-        time, data_uri(shrunk(frame.image, key_frame_width)));
+        time, data_uri(downscaled(frame.image, key_frame_width)));
   }
-  // A list without items is not a list.
+  // An empty <ul> is invalid.
   return html.find("<li>") == std::string::npos ? "<p>No pictures were kept.</p>\n" : html + "</ul>\n";
 }
 
@@ -95,16 +95,16 @@ std::string tracks(const session::Recording& recording) {
              "data-duration=\"{}\">\n",
              track_area.low, track_area.high, track_width, shown_duration(recording)) +
          section("felt", "Felt",
-                 "The pen’s tip sinks a little into the surface it follows; the force is the spring’s "
-                 "answer. Shaded: touching.",
+                 "The pen’s tip follows the surface and sinks into it a little; the force is the spring’s. "
+                 "Shaded: in contact.",
                  felt_html(recording)) +
          section("moved", "Moved",
-                 "The lowest point of each ball over the base plane, and its speed. Vertical lines mark the "
+                 "The lowest point of each ball above the base plane, and its speed. Vertical lines mark the "
                  "strongest impacts.",
                  moved_html(recording)) +
          section("heard", "Heard",
-                 "Each contact starts a streak below it. Streaks lie level with the modes baked for each "
-                 "body, marked at the right. Spread by the window, they begin some 20&nbsp;ms early.",
+                 "Each contact excites the modes of its bodies, marked at the right. The analysis window "
+                 "spreads onsets by about 20&nbsp;ms.",
                  heard_html(recording)) +
          "</div>\n";
 }
@@ -112,24 +112,20 @@ std::string tracks(const session::Recording& recording) {
 }  // namespace
 
 std::string report_html(const session::Recording& recording, std::span<const std::uint8_t> video_mp4) {
-  const std::string title = recording.title.empty() ? "Session" : escaped(recording.title);
-  std::string html = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
-      "content=\"width=device-width, "
-      "initial-scale=1\">\n<title>{0} – "
-      "Intaglio</title>\n<style>{1}</style>\n</head>\n<body>\n<main>\n<header>\n<h1>{0}</h1>\n<p "
-      "class=\"lead\">{2}</p>\n",
-      title, report_css, lead(recording));
+  const std::string title = recording.title.empty() ? "Session" : recording.title;
+  std::string html = page_head(title + " – Intaglio", report_css);
+  html += fmt::format("<header>\n<h1>{}</h1>\n<p class=\"lead\">{}</p>\n", escape_html(title),
+                      summary_sentence(recording));
   html += picture(recording, video_mp4) + "</header>\n";
-  html += section("seen", "Seen",
-                  "The height map from above, with the ways that were taken over it, dark at the start and "
-                  "bright at the end.",
-                  seen_html(recording));
+  html +=
+      section("seen", "Seen",
+              "The height map from above, with the paths of balls and pen, dark at the start and bright at "
+              "the end.",
+              seen_html(recording));
   html += tracks(recording);
-  html += section("agreement", "Agreement",
-                  "How far the senses tell the same story, computed from this recording.",
-                  agreement_html(agreement_of(recording)));
-  html += section("cost", "Cost and identity", "What it took, and what tells this run from another.",
+  html += section("agreement", "Agreement", "How well the senses agree in this recording.",
+                  agreement_html(measure_agreement(recording)));
+  html += section("cost", "Cost and identity", "Resources used, and the hashes that identify the run.",
                   "<div class=\"wide\">" + cost_table(recording) + "</div>\n<div class=\"wide\">" +
                       voice_table(recording) + "</div>\n<div class=\"wide\">" + run_table(recording) +
                       "</div>\n");
@@ -144,47 +140,49 @@ std::string cell(std::string_view text) {
 std::string figure(std::string_view text) {
   return fmt::format("<td class=\"figure\">{}</td>", text);
 }
-std::string heading(std::string_view text) {
+std::string header_cell(std::string_view text) {
   return fmt::format("<th scope=\"col\">{}</th>", text);
 }
-std::string figure_heading(std::string_view text) {
+std::string figure_header_cell(std::string_view text) {
   return fmt::format("<th scope=\"col\" class=\"figure\">{}</th>", text);
 }
-std::string opened(std::string_view caption, const std::string& headings) {
+std::string table_head(std::string_view caption, const std::string& headings) {
   return fmt::format("<table>\n<caption>{}</caption>\n<thead><tr>{}</tr></thead>\n<tbody>\n", caption,
                      headings);
 }
 std::string row(std::string_view name, std::string_view value) {
-  return fmt::format("<tr><th scope=\"row\">{}</th>{}</tr>\n", name, figure(value));
+  return table_row(name, figure(value));
 }
 
-// "10–13", or one number when both are the same.
+// "10 to 13", or one number when both are the same.
 std::string range_text(double low, double high) {
-  const std::string a = number(low), b = number(high);
+  const std::string a = format_number(low), b = format_number(high);
   return a == b ? a : a + " to " + b;
 }
 
 std::string lowest_text(const std::vector<double>& frequencies) {
   std::string text;
   for (std::size_t k = 0; k < std::min<std::size_t>(frequencies.size(), 5); ++k)
-    text += (k > 0 ? ", " : "") + number(frequencies[k], 0);
+    text += (k > 0 ? ", " : "") + format_number(frequencies[k], 0);
   return text.empty() ? "–" : text + (frequencies.size() > 5 ? ", …" : "");
 }
 
 }  // namespace
 
 std::string cost_table(const session::Recording& recording) {
-  std::string html = opened(
-      "What each sense cost, in CPU time of its thread. The real-time factor is simulated time over CPU "
-      "time: above 1 is faster than life.",
-      heading("Sense") + heading("Step") + figure_heading("Steps") + figure_heading("Median, µs") +
-          figure_heading("99 %, µs") + figure_heading("All, s") + figure_heading("Real-time factor"));
+  std::string html = table_head(
+      "Cost of each sense, in CPU time of its thread. The real-time factor is simulated time over CPU "
+      "time: above 1 is faster than real time.",
+      header_cell("Sense") + header_cell("Step") + figure_header_cell("Steps") +
+          figure_header_cell("Median, µs") + figure_header_cell("99 %, µs") + figure_header_cell("All, s") +
+          figure_header_cell("Real-time factor"));
   for (const session::SenseCost& cost : recording.costs) {
-    const double simulated = cost.step_seconds * static_cast<double>(cost.steps);
-    html += fmt::format("<tr><th scope=\"row\">{}</th>", escaped(cost.sense)) + cell(escaped(cost.step)) +
-            figure(std::to_string(cost.steps)) + figure(number(cost.median_us)) +
-            figure(number(cost.p99_us)) + figure(number(cost.total_s, 3)) +
-            figure(cost.total_s > 0 ? number(simulated / cost.total_s) : "–") + "</tr>\n";
+    const double simulated = cost.step_seconds * double(cost.steps);
+    html += fmt::format("<tr><th scope=\"row\">{}</th>", escape_html(cost.sense)) +
+            cell(escape_html(cost.step)) + figure(std::to_string(cost.steps)) +
+            figure(format_number(cost.median_us)) + figure(format_number(cost.p99_us)) +
+            figure(format_number(cost.total_s, 3)) +
+            figure(cost.total_s > 0 ? format_number(simulated / cost.total_s) : "–") + "</tr>\n";
   }
   if (recording.costs.empty()) html += "<tr><td colspan=\"7\">–</td></tr>\n";
   return html + "</tbody></table>\n";
@@ -193,27 +191,27 @@ std::string cost_table(const session::Recording& recording) {
 std::string run_table(const session::Recording& recording) {
   std::string html =
       "<table>\n<caption>The run. Two runs of one scene have the same hashes.</caption>\n<tbody>\n";
-  html += row("Simulated time, s", number(recording.duration, 2));
-  html += row("Wall time, s", number(recording.wall_s, 2));
-  html += row("Modal analysis, CPU s", number(recording.bake_s, 2));
-  html += row("Memory of the surface", bytes_text(recording.surface_bytes));
-  html += row("Peak memory of the process", bytes_text(recording.peak_memory_bytes));
+  html += row("Simulated time, s", format_number(recording.duration, 2));
+  html += row("Wall time, s", format_number(recording.wall_s, 2));
+  html += row("Modal analysis, CPU s", format_number(recording.bake_s, 2));
+  html += row("Memory of the surface", format_bytes(recording.surface_bytes));
+  html += row("Peak memory of the process", format_bytes(recording.peak_memory_bytes));
   html += row("Contact events", std::to_string(recording.events.size()));
-  html += row("Momentum not accounted for, N s", number(recording.momentum_residual));
-  html += row("Hash of the events", fmt::format("<code>{}</code>", hex_text(recording.event_hash)));
-  html += row("Hash of the audio", fmt::format("<code>{}</code>", hex_text(recording.audio_hash)));
+  html += row("Momentum residual, N s", format_number(recording.momentum_residual));
+  html += row("Hash of the events", fmt::format("<code>{}</code>", format_hex(recording.event_hash)));
+  html += row("Hash of the audio", fmt::format("<code>{}</code>", format_hex(recording.audio_hash)));
   return html + "</tbody></table>\n";
 }
 
 std::string voice_table(const session::Recording& recording) {
-  std::string html = opened("Voices: what was baked for each body.",
-                            heading("Body") + heading("Material") + figure_heading("Modes") +
-                                heading("Lowest frequencies, Hz") + heading("T60, ms"));
+  std::string html = table_head("Voices: what was baked for each body.",
+                                header_cell("Body") + header_cell("Material") + figure_header_cell("Modes") +
+                                    header_cell("Lowest frequencies, Hz") + header_cell("T60, ms"));
   for (const scene::Voice& voice : recording.voices) {
     const auto [shortest, longest] = std::minmax_element(voice.t60.begin(), voice.t60.end());
     html += fmt::format("<tr><th scope=\"row\"><span class=\"dot {}\"></span>{}</th>",
-                        body_class(voice.body, recording.pen), escaped(voice.name)) +
-            cell(escaped(voice.material)) + figure(std::to_string(voice.frequencies.size())) +
+                        body_css_class(voice.body, recording.pen), escape_html(voice.name)) +
+            cell(escape_html(voice.material)) + figure(std::to_string(voice.frequencies.size())) +
             cell(lowest_text(voice.frequencies)) +
             cell(voice.t60.empty() ? "–" : range_text(1e3 * *shortest, 1e3 * *longest)) + "</tr>\n";
   }

@@ -14,8 +14,11 @@ namespace intaglio::report {
 
 namespace {
 
-// Names what a colour is, right of a plot area: `row` counts from its top.
-void name_curve(SvgPlot& plot, const Axis& y, int row, std::string_view name, std::string_view classes) {
+constexpr double track_axis_height = 30;  // of the time axis, below the lowest panel
+constexpr int track_time_ticks = 12;
+
+// Legend entry right of the plot, `row` from the top.
+void add_legend(SvgPlot& plot, const Axis& y, int row, std::string_view name, std::string_view classes) {
   const double x = track_area.high + 14, at = y.units().high + 12 + 18 * row;
   plot.line(x, at - 4, x + 16, at - 4, fmt::format("curve {}", classes));
   plot.text(x + 22, at, name, "tick");
@@ -27,7 +30,7 @@ double step_of(int rate) {
 
 struct PenSeries {
   std::vector<double> tip, surface, force;  // mm, mm, N
-  Range heights;                            // what is worth showing: where it touches, and some room above
+  Range heights;                            // plotted: where it touches, and a margin above
 };
 
 PenSeries pen_series(const session::Recording& recording) {
@@ -53,7 +56,7 @@ void draw_force(SvgPlot& plot, const Axis& time, const Axis& y, const Series& fo
   const double limit = haptics::GuardLimits{}.peak_force;
   if (limit > y.values().high) return;
   plot.line(track_area.low, y(limit), track_area.high, y(limit), "limit");
-  plot.text(track_area.high + 14, y(limit) + 4, number(limit, 1) + " N, the guard", "tick");
+  plot.text(track_area.high + 14, y(limit) + 4, format_number(limit, 1) + " N, the guard", "tick");
 }
 
 struct BallSeries {
@@ -62,7 +65,7 @@ struct BallSeries {
 };
 
 BallSeries ball_series(const session::Recording& recording, const session::BallTrack& ball) {
-  BallSeries series{body_name(recording, ball.body), body_class(ball.body, recording.pen), {}, {}};
+  BallSeries series{body_name(recording, ball.body), body_css_class(ball.body, recording.pen), {}, {}};
   for (std::size_t k = 0; k < ball.position.size(); ++k) {
     const Vec3& centre = ball.position[k];
     const double height =
@@ -74,7 +77,7 @@ BallSeries ball_series(const session::Recording& recording, const session::BallT
   return series;
 }
 
-// A ball that leaves the surface falls for ever: what is deep below is not worth the axis.
+// Limits the axis for balls that have fallen off.
 Range height_range(const session::Recording& recording, const std::vector<BallSeries>& balls) {
   std::vector<double> all;
   for (const BallSeries& ball : balls) all.insert(all.end(), ball.height.begin(), ball.height.end());
@@ -99,10 +102,10 @@ Axis time_axis(const session::Recording& recording) {
 
 void draw_impacts(SvgPlot& plot, const session::Recording& recording, double top, double bottom) {
   const Axis time = time_axis(recording);
-  for (const Impact& impact : strongest(impacts_of(recording), 40, 0.03)) {
+  for (const Impact& impact : strongest(find_impacts(recording), 40, 0.03)) {
     if (impact.time < 0 || impact.time > time.values().high) continue;
     plot.line(time(impact.time), top, time(impact.time), bottom,
-              fmt::format("impact {}", body_class(impact.body, recording.pen)));
+              fmt::format("impact {}", body_css_class(impact.body, recording.pen)));
   }
 }
 
@@ -125,8 +128,8 @@ std::string felt_html(const session::Recording& recording) {
   draw_impacts(plot, recording, height.units().high, force.units().low);
   plot.curve(time, height, {0, step, pen.surface}, "curve floor");
   plot.curve(time, height, {0, step, pen.tip}, "curve pen");
-  name_curve(plot, height, 0, "pen’s tip", "pen");
-  name_curve(plot, height, 1, "surface", "floor");
+  add_legend(plot, height, 0, "pen’s tip", "pen");
+  add_legend(plot, height, 1, "surface", "floor");
   draw_force(plot, time, force, {0, step, pen.force});
   plot.x_axis(time, force.units().low, "s", track_time_ticks);
   return plot.finish();
@@ -143,12 +146,12 @@ std::string moved_html(const session::Recording& recording) {
   const Axis height({heights.low * (in_mm ? 1e3 : 1), heights.high * (in_mm ? 1e3 : 1)}, {140, 10});
   const Axis speed(speed_range(balls), {244, 160});
   SvgPlot plot(track_width, speed.units().low + track_axis_height, "plot track", "Moved",
-               "The height of each ball’s lowest point over the base plane, and its speed, over time.");
+               "The height of each ball’s lowest point above the base plane, and its speed, over time.");
   plot.y_axis(time, height, in_mm ? "height, mm" : "height, m", 4);
   plot.y_axis(time, speed, "speed, m/s", 3);
   draw_impacts(plot, recording, height.units().high, speed.units().low);
   plot.line(track_area.low, height(0), track_area.high, height(0), "curve floor thin");
-  name_curve(plot, height, 0, "base plane", "floor thin");
+  add_legend(plot, height, 0, "base plane", "floor thin");
   int row = 1;
   for (BallSeries& ball : balls) {
     if (in_mm)
@@ -156,13 +159,11 @@ std::string moved_html(const session::Recording& recording) {
                      [](double h) { return 1e3 * h; });
     plot.curve(time, height, {step, step, ball.height}, "curve " + ball.colour);
     plot.curve(time, speed, {step, step, ball.speed}, "curve " + ball.colour);
-    if (row < 7) name_curve(plot, height, row++, ball.name, ball.colour);
+    if (row < 7) add_legend(plot, height, row++, ball.name, ball.colour);
   }
   plot.x_axis(time, speed.units().low, "s", track_time_ticks);
   return plot.finish();
 }
-
-// The track of sound, apart from the others for its length.
 
 namespace {
 
@@ -176,25 +177,23 @@ SpectrogramView view_of(const session::Recording& recording, const Spectrogram& 
   SpectrogramView view;
   view.duration = shown_duration(recording);
   view.high_hz = std::max(std::min(20000.0, 0.5 * recording.sample_rate), 2 * view.low_hz);
-  view.top_db =
-      5 *
-      std::ceil(level_db(loudest == spectrogram.power.end() ? 0.0 : static_cast<double>(*loudest), -60) / 5);
+  view.top_db = 5 * std::ceil(level_db(loudest == spectrogram.power.end() ? 0.0 : double(*loudest), -60) / 5);
   view.floor_db = view.top_db - shown_decibels;
   return view;
 }
 
-// Who touched when: a triangle for each impact of a ball, a bar while the pen touches.
+// Contact marks: a triangle for each impact of a ball, a bar while the pen touches.
 void draw_contacts(SvgPlot& plot, const session::Recording& recording, const Axis& time) {
-  const std::vector<Impact> impacts = strongest(impacts_of(recording), 400, 0);
+  const std::vector<Impact> impacts = strongest(find_impacts(recording), 400, 0);
   double most = 0;
   for (const Impact& impact : impacts) most = std::max(most, impact.impulse);
   plot.line(track_area.low, balls_y, track_area.high, balls_y, "grid");
   for (const Impact& impact : impacts) {
     if (impact.time < 0 || impact.time > time.values().high) continue;
     const std::string tip = fmt::format("{} at {} s: {} N s", body_name(recording, impact.body),
-                                        number(impact.time, 3), number(impact.impulse));
+                                        format_number(impact.time, 3), format_number(impact.impulse));
     plot.triangle(time(impact.time), balls_y, most > 0 ? 5 + 19 * std::sqrt(impact.impulse / most) : 5,
-                  fmt::format("mark {}", body_class(impact.body, recording.pen)), tip);
+                  fmt::format("mark {}", body_css_class(impact.body, recording.pen)), tip);
   }
   for (const TimeSpan& touch : pen_touches(recording)) {
     plot.rectangle(time(touch.begin), pen_y, std::max(1.0, time(touch.end) - time(touch.begin)), 8,
@@ -207,15 +206,14 @@ void draw_contacts(SvgPlot& plot, const session::Recording& recording, const Axi
 
 // A column of ticks right of the spectrogram for each voice, at its baked frequencies.
 void draw_modes(SvgPlot& plot, const session::Recording& recording, const Axis& hz) {
-  const double pitch =
-      std::min(18.0, 110.0 / static_cast<double>(std::max<std::size_t>(recording.voices.size(), 1)));
+  const double pitch = std::min(18.0, 110.0 / double(std::max<std::size_t>(recording.voices.size(), 1)));
   double x = track_area.high + 10;
   for (const scene::Voice& voice : recording.voices) {
-    const std::string colour = body_class(voice.body, recording.pen);
+    const std::string colour = body_css_class(voice.body, recording.pen);
     double last = 1e9;
     for (const double frequency : voice.frequencies) {
       if (!(frequency >= hz.values().low && frequency <= hz.values().high)) continue;
-      // Marks closer than half a unit cannot be told apart.
+      // Skip marks closer than half a unit.
       if (const double y = hz(frequency); std::abs(last - y) >= 0.5)
         plot.line(x, last = y, x + 0.72 * pitch, y, "mode " + colour);
     }
@@ -229,12 +227,12 @@ void draw_colour_bar(SvgPlot& plot, const SpectrogramView& view) {
   Image8 bar(64, 1, 3);
   for (int x = 0; x < bar.width; ++x) {
     const Rgb colour = magma((x + 0.5) / bar.width);
-    for (int c = 0; c < 3; ++c) bar.at(x, 0, c) = colour[static_cast<std::size_t>(c)];
+    for (int c = 0; c < 3; ++c) bar.at(x, 0, c) = colour[std::size_t(c)];
   }
   plot.text(left, y - 6, "power, dB", "tick");
   plot.image(left, y, width, 10, data_uri(bar));
-  plot.text(left, y + 25, number(view.floor_db, 0), "tick");
-  plot.text(left + width, y + 25, number(view.top_db, 0), "tick", TextAnchor::end);
+  plot.text(left, y + 25, format_number(view.floor_db, 0), "tick");
+  plot.text(left + width, y + 25, format_number(view.top_db, 0), "tick", TextAnchor::end);
 }
 
 }  // namespace

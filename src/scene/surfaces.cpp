@@ -16,8 +16,8 @@ namespace intaglio::scene {
 
 namespace {
 
-// On its rectangle.
-Result<SceneSurface> make_flat(const SurfaceSettings& from) {
+// The texture on a rectangle; `base` is ignored.
+Result<SceneSurface> build_flat(const SurfaceSettings& from) {
   SceneSurface out;
   out.material = *find_material("brick");
   surface::Texels texels;
@@ -56,7 +56,7 @@ Result<SceneSurface> make_flat(const SurfaceSettings& from) {
   return out;
 }
 
-Result<SceneSurface> make_one(const SurfaceSettings& from) {
+Result<SceneSurface> build_surface(const SurfaceSettings& from) {
   SurfaceSettings measured = from;
   std::optional<surface::MeshPlacement> base;
   if (from.base) {
@@ -65,7 +65,7 @@ Result<SceneSurface> make_one(const SurfaceSettings& from) {
     measured.size = texture_size(made->mesh());
     base = std::move(*made);
   }
-  auto out = make_flat(measured);
+  auto out = build_flat(measured);
   if (!out) return tl::unexpected(with_where(from.line, out.error()));
   if (!base) return out;
   auto curved = surface::ReliefMesh::make(out->surface, std::move(*base));
@@ -74,12 +74,12 @@ Result<SceneSurface> make_one(const SurfaceSettings& from) {
   return out;
 }
 
-// Of a body the box must be left between its reliefs.
+// Fails when the reliefs of a box would meet inside it.
 Result<std::vector<SceneSurface>> make_reliefs(const BodySettings& body) {
   std::vector<SceneSurface> out;
   double depth = 0;
   for (const SurfaceSettings& relief : body.reliefs) {
-    auto made = make_one(relief);
+    auto made = build_surface(relief);
     if (!made) return tl::unexpected(made.error());
     if (!made->curved) {
       depth += made->surface->max_depth();
@@ -94,7 +94,7 @@ Result<std::vector<SceneSurface>> make_reliefs(const BodySettings& body) {
         body.reliefs.front().line,
         {body.reliefs.front().texture,
          fmt::format("is {:.3g} m deep on a {} that is {:.3g} m thick", depth, body.name, 2 * box->half.y()),
-         "give a lesser depth"}));
+         "use a smaller depth"}));
   return out;
 }
 
@@ -113,14 +113,14 @@ dynamics::ShapeBody textured(const BodySettings& body, const std::vector<SceneSu
 }
 
 Result<SceneSurface> make_surface(const Scene& scene) {
-  auto floor = make_one(scene.surface);
+  auto floor = build_surface(scene.surface);
   if (!floor) return floor;
   for (const SurfaceSettings& ground : scene.grounds) {
-    auto made = make_one(ground);
+    auto made = build_surface(ground);
     if (!made) return made;
     floor->grounds.push_back(std::move(*made));
   }
-  if (auto checked = check_covered_texels(scene, *floor); !checked) return tl::unexpected(checked.error());
+  if (auto checked = check_contact_cost(scene, *floor); !checked) return tl::unexpected(checked.error());
   for (const BodySettings& body : scene.bodies) {
     auto made = make_reliefs(body);
     if (!made) return tl::unexpected(made.error());
@@ -131,9 +131,9 @@ Result<SceneSurface> make_surface(const Scene& scene) {
 
 namespace {
 
-// So many that a ball rolls on it and not on a polygon; whole textures have whole numbers of them.
+// Segment count: `wanted`, fine enough for smooth rolling, rounded up to a multiple of `repeat`.
 int pieces(int wanted, double repeat) {
-  const int times = static_cast<int>(repeat);
+  const int times = int(repeat);
   return times * ((wanted + times - 1) / times);
 }
 
@@ -163,24 +163,27 @@ Result<surface::MeshPlacement> make_base(const BaseSettings& base, const Pose& p
 
 Vec2 texture_size(const surface::TriangleMesh& mesh) {
   Vec2 sum = Vec2::Zero();
-  double whole = 0;
+  double total_area = 0;
   for (const surface::Triangle& t : mesh.triangles) {
-    const auto at = [&](int k) { return static_cast<std::size_t>(t[static_cast<std::size_t>(k)]); };
+    const auto at = [&](int k) { return std::size_t(t[std::size_t(k)]); };
     const Vec3 ab = mesh.positions[at(1)] - mesh.positions[at(0)],
                ac = mesh.positions[at(2)] - mesh.positions[at(0)];
+    // On a triangle (u, v) -> p is linear: ab = du1 p_u + dv1 p_v, ac = du2 p_u + dv2 p_v; by Cramer's rule
+    //   p_u = (dv2 ab - dv1 ac) / det,   p_v = (du1 ac - du2 ab) / det,   det = du1 dv2 - dv1 du2,
+    // and |p_u|, |p_v| are metres per texture period.
     const Vec2 u = mesh.uvs[at(1)] - mesh.uvs[at(0)], v = mesh.uvs[at(2)] - mesh.uvs[at(0)];
-    const double twice = u.x() * v.y() - u.y() * v.x(), area = ab.cross(ac).norm();
-    if (std::abs(twice) < 1e-12) continue;
-    const Vec3 along_u = (v.y() * ab - u.y() * ac) / twice, along_v = (u.x() * ac - v.x() * ab) / twice;
+    const double det = u.x() * v.y() - u.y() * v.x(), area = ab.cross(ac).norm();
+    if (std::abs(det) < 1e-12) continue;
+    const Vec3 along_u = (v.y() * ab - u.y() * ac) / det, along_v = (u.x() * ac - v.x() * ab) / det;
     sum += area * Vec2(along_u.norm(), along_v.norm());
-    whole += area;
+    total_area += area;
   }
-  return whole > 0 ? Vec2((sum / whole).cwiseMax(1e-3)) : Vec2::Ones();
+  return total_area > 0 ? Vec2((sum / total_area).cwiseMax(1e-3)) : Vec2::Ones();
 }
 
 namespace {
 
-constexpr double slow = 1e5, most = 1e6;  // texels
+constexpr double warn_above = 1e5, limit = 1e6;  // texels
 
 double largest_ball(const Scene& scene) {
   double radius = 0;
@@ -202,18 +205,17 @@ double covered_texels(const SceneSurface& relief, double radius) {
   return 2 * std::numbers::pi * radius * surface.max_depth() / texel;
 }
 
-Result<void> check_covered_texels(const Scene& scene, SceneSurface& floor) {
+Result<void> check_contact_cost(const Scene& scene, SceneSurface& floor) {
   const double radius = largest_ball(scene);
   for (std::size_t k = 0; k < floor.grounds.size(); ++k) {
     const double texels = covered_texels(floor.grounds[k], radius);
-    if (texels < slow) continue;
+    if (texels < warn_above) continue;
     const Error error = with_where(
         scene.grounds[k].base->line,
-        {"", fmt::format("a ball of {:g} m lies over {:.2g} texels of this relief", radius, texels),
-         fmt::format("more than {:g} take too long: give a smaller repeat or depth, or a coarser texture",
-                     most)});
-    if (texels > most) return tl::unexpected(error);
-    floor.notes.push_back("warning: steps take long: " + error.message());
+        {"", fmt::format("a ball of radius {:g} m covers {:.2g} texels of this relief", radius, texels),
+         fmt::format("the limit is {:g}: reduce repeat or depth, or use a coarser texture", limit)});
+    if (texels > limit) return tl::unexpected(error);
+    floor.notes.push_back("warning: physics steps will be slow: " + error.message());
   }
   return {};
 }

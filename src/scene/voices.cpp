@@ -21,15 +21,15 @@ namespace intaglio::scene {
 
 namespace {
 
-// Models of one scene, each baked once: twenty equal balls share one.
-class Bakery {
+// Loads or bakes each distinct model of a scene once: twenty equal balls share one.
+class ModelBaker {
  public:
-  Bakery(const std::string& scene, int modes, const VoiceOptions& options)
+  ModelBaker(const std::string& scene, int modes, const VoiceOptions& options)
       : scene_(scene), options_(options) {
     bake_.modes.count = modes;
   }
 
-  // Adds a ringing body of that mesh. `shape` names the mesh: equal names and materials are the same model.
+  // Adds a sounding body. `shape` identifies the mesh: equal shapes and materials share one model.
   void add(sound::SoundBody body, const std::string& name, const std::string& shape,
            const std::function<sound::TetMesh()>& mesh, const Material& material) {
     if (error_) return;
@@ -38,7 +38,7 @@ class Bakery {
     const std::string identity = fmt::format("{:016x}", hash.value());
     auto& model = models_[identity];
     if (!model) {
-      model = made(identity, name, mesh, material);
+      model = load_or_bake(identity, name, mesh, material);
       voices_.models.push_back(identity);
     }
     if (!model) return;
@@ -59,8 +59,8 @@ class Bakery {
  private:
   using Model = std::shared_ptr<const sound::ModalModel>;
 
-  // A model that cannot be read, or is of something else, is baked again.
-  static Model found(const std::filesystem::path& folder, const std::string& identity) {
+  // Null for a model that cannot be read or has another identity: it is baked again.
+  static Model load(const std::filesystem::path& folder, const std::string& identity) {
     const auto file = folder / (identity + ".modes");
     std::error_code ignored;
     if (!std::filesystem::exists(file, ignored)) return nullptr;
@@ -69,15 +69,15 @@ class Bakery {
     return std::make_shared<const sound::ModalModel>(std::move(*read));
   }
 
-  Model made(const std::string& identity, const std::string& name,
-             const std::function<sound::TetMesh()>& mesh, const Material& material) {
+  Model load_or_bake(const std::string& identity, const std::string& name,
+                     const std::function<sound::TetMesh()>& mesh, const Material& material) {
     if (!options_.beside.empty()) {
       const auto folder = std::filesystem::path(scene_).parent_path() / options_.beside;
-      if (auto model = found(folder, identity)) return model;
+      if (auto model = load(folder, identity)) return model;
     }
     if (!options_.cache.empty())
-      if (auto model = found(options_.cache, identity)) return model;
-    if (options_.stopped != nullptr && options_.stopped->load()) {
+      if (auto model = load(options_.cache, identity)) return model;
+    if (options_.stop_requested != nullptr && options_.stop_requested->load()) {
       error_ = Error{scene_, "modal analysis was stopped", ""};
       return nullptr;
     }
@@ -88,11 +88,11 @@ class Bakery {
       error_ = Error{
           scene_,
           fmt::format("modal analysis of the {} of {} failed: {}", name, material.name, baked.error().what),
-          "make it stiffer, smaller or thicker: what is soft, large and thin has too many modes"};
+          "make it stiffer, smaller or thicker: soft, large, thin bodies have too many audible modes"};
       return nullptr;
     }
     ++voices_.baked;
-    // A cache that cannot be written costs time, nothing else.
+    // A failed write to the cache is ignored: it only costs time later.
     if (!options_.cache.empty())
       (void)sound::write_model(options_.cache / (identity + ".modes"), *baked);
     return std::make_shared<const sound::ModalModel>(std::move(*baked));
@@ -106,17 +106,17 @@ class Bakery {
   std::optional<Error> error_;
 };
 
-// A box's elements: `cells` along its longest side, one through what is thin.
+// `cells` elements along the longest side; one through a thin side (below 15 % of the longest).
 sound::TetMesh box_mesh(const Vec3& size, int cells) {
   const auto along = [&](double side) {
-    const int n = static_cast<int>(std::lround(cells * side / size.maxCoeff()));
+    const int n = int(std::lround(cells * side / size.maxCoeff()));
     return std::clamp(n, side > 0.15 * size.maxCoeff() ? 2 : 1, cells);
   };
   return sound::box(size, along(size.x()), along(size.y()), along(size.z()));
 }
 
 // A curved ground rings like the flat slab over its bounds.
-void add_curved(Bakery& bakery, BodyId id, const std::string& name, const SurfaceSettings& ground,
+void add_curved(ModelBaker& baker, BodyId id, const std::string& name, const SurfaceSettings& ground,
                 const SceneSurface& made) {
   const surface::Box bounds = made.curved->bounds();
   const Vec3 size(bounds.sizes().x(), ground.thickness, bounds.sizes().z());
@@ -125,12 +125,12 @@ void add_curved(Bakery& bakery, BodyId id, const std::string& name, const Surfac
   body.is_fixed = true;
   if (ground.representation != Representation::flat) body.textures = {made.surface};
   body.rest_pose.position = bounds.center();
-  bakery.add(
+  baker.add(
       body, name, fmt::format("slab {} {} {}", size.x(), size.y(), size.z()),
       [size] { return box_mesh(size, 16); }, made.material);
 }
 
-void add_slab(Bakery& bakery, BodyId id, const std::string& name, const SurfaceSettings& slab,
+void add_slab(ModelBaker& baker, BodyId id, const std::string& name, const SurfaceSettings& slab,
               const SceneSurface& made) {
   // The slab hangs below the base plane; its modal model is a box about its middle, Y up.
   sound::SoundBody body;
@@ -142,31 +142,32 @@ void add_slab(Bakery& bakery, BodyId id, const std::string& name, const SurfaceS
       rotation_of(slab.rotation)};
   constexpr int cells = 24;
   const auto along = [&](double side) {
-    return std::clamp(static_cast<int>(std::lround(cells * side / slab.size.maxCoeff())), 2, cells);
+    return std::clamp(int(std::lround(cells * side / slab.size.maxCoeff())), 2, cells);
   };
   const auto mesh = [&] {
     return sound::box({slab.size.x(), slab.thickness, slab.size.y()}, along(slab.size.x()), 1,
                       along(slab.size.y()));
   };
-  bakery.add(body, name, fmt::format("slab {} {} {}", slab.size.x(), slab.thickness, slab.size.y()), mesh,
-             made.material);
+  baker.add(body, name, fmt::format("slab {} {} {}", slab.size.x(), slab.thickness, slab.size.y()), mesh,
+            made.material);
 }
 
-// The box about a shape, and its name.
-struct Solid {
+// How to mesh a shape, and the name that identifies the mesh.
+struct MeshRecipe {
   std::string name;
   std::function<sound::TetMesh()> mesh;
 };
-Solid cylinder(double radius, double length) {
+MeshRecipe cylinder(double radius, double length) {
   return {fmt::format("cylinder {} {}", radius, length), [=] {
-            const int layers = std::clamp(static_cast<int>(std::lround(length / radius)), 2, 16);
+            const int layers = std::clamp(int(std::lround(length / radius)), 2, 16);
             return sound::cylinder(radius, length, 2, layers);
           }};
 }
-Solid solid_of(const contact::Shape& shape) {
+MeshRecipe mesh_recipe(const contact::Shape& shape) {
   if (const auto* s = std::get_if<contact::Sphere>(&shape))
     return {fmt::format("ball {}", s->radius), [r = s->radius] { return sound::ball(r, 2); }};
   if (const auto* s = std::get_if<contact::Cylinder>(&shape)) return cylinder(s->radius, 2 * s->half_height);
+  // A cylinder of nearly the capsule's volume: 2/3 r for each cap would be all of it.
   if (const auto* s = std::get_if<contact::Capsule>(&shape))
     return cylinder(s->radius, 2 * (s->half_height + 0.6 * s->radius));
   Vec3 half = Vec3::Constant(contact::bounding_radius(shape) / std::sqrt(3.0));
@@ -181,55 +182,55 @@ Solid solid_of(const contact::Shape& shape) {
           [half] { return box_mesh(2 * half, 8); }};
 }
 
-void add_bodies(Bakery& bakery, const Scene& scene, const SceneSurface& surface) {
+void add_bodies(ModelBaker& baker, const Scene& scene, const SceneSurface& surface) {
   for (std::size_t k = 0; k < scene.balls.size(); ++k) {
     const BallSettings& ball = scene.balls[k];
     sound::SoundBody body;
-    body.id = static_cast<BodyId>(k + 1);
+    body.id = BodyId(k + 1);
     body.radius_of_curvature = ball.radius;
     const std::string name = scene.balls.size() == 1 ? "ball" : fmt::format("ball {}", k + 1);
-    bakery.add(
+    baker.add(
         body, name, fmt::format("ball {}", ball.radius), [&] { return sound::ball(ball.radius, 2); },
         ball.material);
   }
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
     const BodySettings& from = scene.bodies[k];
     sound::SoundBody body;
-    body.id = static_cast<BodyId>(scene.balls.size() + k + 1);
+    body.id = BodyId(scene.balls.size() + k + 1);
     body.is_fixed = from.body.motion != dynamics::Motion::free;
     body.rest_pose = from.body.pose;
     if (k < surface.reliefs.size() && scene.surface.representation != Representation::flat)
       for (const SceneSurface& relief : surface.reliefs[k]) body.textures.push_back(relief.surface);
-    const Solid solid = solid_of(from.body.shape);
-    bakery.add(body, fmt::format("{} {}", from.name, k + 1), solid.name, solid.mesh, from.body.material);
+    const MeshRecipe recipe = mesh_recipe(from.body.shape);
+    baker.add(body, fmt::format("{} {}", from.name, k + 1), recipe.name, recipe.mesh, from.body.material);
   }
 }
 
 }  // namespace
 
 Result<Voices> bake_voices(const Scene& scene, const SceneSurface& surface, const VoiceOptions& options) {
-  Bakery bakery(scene.name, scene.sound.modes, options);
-  add_slab(bakery, floor_body, "floor", scene.surface, surface);
+  ModelBaker baker(scene.name, scene.sound.modes, options);
+  add_slab(baker, floor_body, "floor", scene.surface, surface);
   for (std::size_t k = 0; k < surface.grounds.size(); ++k)
-    (surface.grounds[k].curved ? add_curved : add_slab)(bakery, static_cast<BodyId>(first_surface_body + k),
+    (surface.grounds[k].curved ? add_curved : add_slab)(baker, BodyId(first_surface_body + k),
                                                         fmt::format("ground {}", k + 1), scene.grounds[k],
                                                         surface.grounds[k]);
-  add_bodies(bakery, scene, surface);
+  add_bodies(baker, scene, surface);
   if (scene.pen) {
     sound::SoundBody body;
-    body.id = static_cast<BodyId>(scene.balls.size() + scene.bodies.size() + 1);
-    body.radius_of_curvature = 0.001;  // a pen's tip, not its shaft
-    bakery.add(
+    body.id = BodyId(scene.balls.size() + scene.bodies.size() + 1);
+    body.radius_of_curvature = 0.001;  // of the tip, not of the shaft
+    baker.add(
         body, "pen", fmt::format("pen {} {}", scene.pen->radius, scene.pen->length),
         [&] { return sound::cylinder(scene.pen->radius, scene.pen->length, 1, 16); }, scene.pen->material);
   }
-  return bakery.voices();
+  return baker.voices();
 }
 
 sound::SynthesizerOptions synthesizer_options(const Scene& scene) {
   sound::SynthesizerOptions options;
   options.sample_rate = scene.sound.sample_rate;
-  options.seed = static_cast<std::uint64_t>(scene.seed);
+  options.seed = std::uint64_t(scene.seed);
   options.micro_level *= scene.sound.micro;
   options.meso = scene.sound.meso.value_or(scene.surface.representation == Representation::normal
                                                ? sound::MesoSource::normal_map
@@ -238,7 +239,7 @@ sound::SynthesizerOptions synthesizer_options(const Scene& scene) {
 }
 
 struct VoiceBaker::Shared {
-  struct Order {
+  struct Request {
     std::uint64_t ticket = 0;
     Scene scene;
     SceneSurface surface;
@@ -247,11 +248,11 @@ struct VoiceBaker::Shared {
 
   std::mutex mutex;
   std::condition_variable wake;
-  std::optional<Order> wanted;
+  std::optional<Request> pending;
   std::uint64_t tickets = 0, done_ticket = 0;
   std::optional<Result<Voices>> done;
-  std::atomic<bool> newer{false};  // than what is being made
-  bool busy = false, closed = false;
+  std::atomic<bool> cancel{false};  // the bake that is running
+  bool busy = false, stopping = false;
 };
 
 VoiceBaker::VoiceBaker() : shared_(std::make_shared<Shared>()) {
@@ -260,16 +261,16 @@ VoiceBaker::VoiceBaker() : shared_(std::make_shared<Shared>()) {
 
 VoiceBaker::~VoiceBaker() {
   const std::lock_guard lock(shared_->mutex);
-  shared_->closed = true;
-  shared_->newer = true;
+  shared_->stopping = true;
+  shared_->cancel = true;
   shared_->wake.notify_one();
 }
 
-std::uint64_t VoiceBaker::ask(const Scene& scene, const SceneSurface& surface,
-                              const std::filesystem::path& cache) {
+std::uint64_t VoiceBaker::request(const Scene& scene, const SceneSurface& surface,
+                                  const std::filesystem::path& cache) {
   const std::lock_guard lock(shared_->mutex);
-  shared_->wanted = {++shared_->tickets, scene, surface, cache};
-  shared_->newer = true;
+  shared_->pending = {++shared_->tickets, scene, surface, cache};
+  shared_->cancel = true;
   shared_->wake.notify_one();
   return shared_->tickets;
 }
@@ -282,26 +283,26 @@ std::optional<Result<Voices>> VoiceBaker::take(std::uint64_t ticket) {
 
 bool VoiceBaker::is_busy() const {
   const std::lock_guard lock(shared_->mutex);
-  return shared_->busy;
+  return shared_->busy || shared_->pending.has_value();
 }
 
 void VoiceBaker::work(const std::shared_ptr<Shared>& shared) {
-  // Physics and pictures go first. On Linux a thread has a niceness of its own; failing changes nothing.
-  (void)setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), 10);
+  // Physics and pictures have priority. On Linux niceness is per thread; failure is harmless.
+  (void)setpriority(PRIO_PROCESS, id_t(gettid()), 10);
   std::unique_lock lock(shared->mutex);
   while (true) {
-    shared->wake.wait(lock, [&] { return shared->wanted || shared->closed; });
-    if (shared->closed) return;
-    const Shared::Order order = std::move(*std::exchange(shared->wanted, std::nullopt));
-    shared->newer = false;
+    shared->wake.wait(lock, [&] { return shared->pending || shared->stopping; });
+    if (shared->stopping) return;
+    const Shared::Request request = std::move(*std::exchange(shared->pending, std::nullopt));
+    shared->cancel = false;
     shared->busy = true;
     lock.unlock();
-    auto voices = bake_voices(order.scene, order.surface, {order.cache, &shared->newer});
+    auto voices = bake_voices(request.scene, request.surface, {request.cache, &shared->cancel});
     lock.lock();
     shared->busy = false;
-    if (shared->wanted) continue;
+    if (shared->pending) continue;
     shared->done = std::move(voices);
-    shared->done_ticket = order.ticket;
+    shared->done_ticket = request.ticket;
   }
 }
 

@@ -1,11 +1,10 @@
 // The modal models of a scene: floor, grounds, bodies and pen, each baked once, or read from a folder of
-// models that were baked before: `models` beside the scene's file (`intaglio bake --scene` fills it, and
-// shipped scenes have theirs), then a cache. A model is known by its identity, the hash of what it is baked
-// from (modal_model.h), which is its name there.
+// models baked earlier: `models` beside the scene's file (`intaglio bake --scene` fills it; shipped scenes
+// have theirs), then a cache. A model file is named by its identity, the hash of its inputs (modal_model.h).
 //
-// Takes seconds where models are missing, milliseconds where not. Any thread; the models are immutable. A
-// slab is a box, a curved ground the slab over its bounds, a letter the box about it, a capsule a cylinder:
-// the sound is exact for balls, boxes and cylinders, approximate for the others.
+// Seconds when models must be baked, otherwise milliseconds. Any thread; the models are immutable. A slab is
+// a box, a curved ground the slab over its bounds, a letter its bounding box, a capsule a cylinder: the sound
+// is exact for balls, boxes and cylinders, approximate for the others.
 #pragma once
 
 #include <atomic>
@@ -20,7 +19,7 @@
 
 namespace intaglio::scene {
 
-// A body that rings: what was baked for it.
+// Summary of a sounding body's model, for reports.
 struct Voice {
   BodyId body = 0;
   std::string name;  // "floor", "ball 1", "pen"
@@ -30,29 +29,29 @@ struct Voice {
 };
 
 struct VoiceOptions {
-  std::filesystem::path cache = {};            // folder of models, where new ones go; empty: none
-  const std::atomic<bool>* stopped = nullptr;  // when it turns true, no further model is begun
+  std::filesystem::path cache = {};                   // cache folder for newly baked models; empty: no cache
+  const std::atomic<bool>* stop_requested = nullptr;  // set to stop before the next bake
   // Folder of models beside the scene's file; empty: none.
   std::string beside = "models";
 };
 
 struct Voices {
   std::vector<sound::SoundBody> bodies;
-  std::vector<Voice> voices;        // the same, for people
-  int baked = 0;                    // models that were in neither folder
-  std::vector<std::string> models;  // identities, each once
+  std::vector<Voice> voices;        // of the same bodies
+  int baked = 0;                    // number of models that were in neither folder
+  std::vector<std::string> models;  // distinct identities
 };
 
 Result<Voices> bake_voices(const Scene& scene, const SceneSurface& surface, const VoiceOptions& options = {});
 
 sound::SynthesizerOptions synthesizer_options(const Scene& scene);
 
-// Makes a scene's modal models in a thread of its own, one scene at a time (the solver below stands no
-// second one), and never makes anybody wait: what nobody wants any more is finished, kept in the cache, and
-// dropped. One thread asks (the window's).
+// Bakes a scene's modal models in a thread of its own, one scene at a time (the solver is not reentrant), and
+// never blocks its caller: a model that is no longer wanted is finished, cached and dropped. One thread calls
+// it (the window's).
 //
-// A model that is being made when the baker dies cannot be interrupted: its thread is left behind. A program
-// that ends then should do so by std::_Exit; is_busy() tells.
+// A bake cannot be interrupted: when the baker is destroyed during one, its thread is left behind. A program
+// that ends then should call std::_Exit; see is_busy().
 
 class VoiceBaker {
  public:
@@ -61,10 +60,11 @@ class VoiceBaker {
   VoiceBaker(const VoiceBaker&) = delete;
   VoiceBaker& operator=(const VoiceBaker&) = delete;
 
-  // Asks for these voices instead of any before; the ticket is for take().
-  std::uint64_t ask(const Scene& scene, const SceneSurface& surface, const std::filesystem::path& cache);
-  // Once they are there, once.
+  // Replaces any earlier request. The ticket is for take().
+  std::uint64_t request(const Scene& scene, const SceneSurface& surface, const std::filesystem::path& cache);
+  // The voices, once, when they are ready.
   std::optional<Result<Voices>> take(std::uint64_t ticket);
+  // A bake is running, or is about to.
   bool is_busy() const;
 
  private:

@@ -10,7 +10,7 @@ namespace intaglio::scene {
 
 namespace {
 
-constexpr double flipper_seconds = 0.06;  // from rest to struck, and back
+constexpr double flipper_seconds = 0.06;  // from rest to fully raised, and back
 
 dynamics::WorldOptions world_options(const Scene& scene, Representation representation) {
   dynamics::WorldOptions options;
@@ -19,7 +19,7 @@ dynamics::WorldOptions world_options(const Scene& scene, Representation represen
   options.gravity = scene.physics.gravity;
   options.step = 1.0 / scene.physics.rate;
   options.normal_method = scene.physics.normal_method;
-  // Only where a scene has other bodies than balls: its sound would change otherwise.
+  // Only in scenes with bodies, so that scenes of balls alone keep their sound.
   options.report_pairs = !scene.bodies.empty();
   return options;
 }
@@ -31,7 +31,7 @@ SceneWorld::SceneWorld(const Scene& scene, const SceneSurface& surface, Represen
       bodies_(scene.bodies),
       respawn_below_(scene.physics.respawn_below),
       step_(1.0 / scene.physics.rate),
-      struck_(scene.bodies.size(), 0.0),
+      raised_(scene.bodies.size(), 0.0),
       world_(surface.surface, surface.material, world_options(scene, representation)) {
   for (std::size_t k = 0; k < surface.grounds.size(); ++k) {
     const SceneSurface& ground = surface.grounds[k];
@@ -56,27 +56,27 @@ double SceneWorld::mass(BodyId id) const {
 }
 
 void SceneWorld::step(unsigned keys) {
-  turn_flippers(keys);
+  drive_flippers(keys);
   world_.step();
-  kick();
+  apply_bumpers();
   if (respawn_below_) respawn();
 }
 
-void SceneWorld::turn_flippers(unsigned keys) {
+void SceneWorld::drive_flippers(unsigned keys) {
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     if (!bodies_[k].flipper) continue;
     const Flipper& flipper = *bodies_[k].flipper;
     const bool pressed = (keys & (flipper.key == 0 ? left_key : right_key)) != 0;
     const double turn = step_ / flipper_seconds;
-    struck_[k] = std::clamp(struck_[k] + (pressed ? turn : -turn), 0.0, 1.0);
-    const Quat turned = rotation(struck_[k] * flipper.sweep * std::numbers::pi / 180, flipper.axis);
+    raised_[k] = std::clamp(raised_[k] + (pressed ? turn : -turn), 0.0, 1.0);
+    const Quat turned = rotation(raised_[k] * flipper.sweep * std::numbers::pi / 180, flipper.axis);
     const Pose& rest = bodies_[k].body.pose;
     world_.drive(body(k), {rest.to_world(flipper.pivot - turned * flipper.pivot), rest.orientation * turned});
   }
 }
 
-// A bumper gives each ball that meets it some speed along the contact's normal.
-void SceneWorld::kick() {
+// A bumper adds speed along the contact's normal to each ball that begins to touch it.
+void SceneWorld::apply_bumpers() {
   for (const ContactEvent& event : world_.events()) {
     if (is_surface(event.other) || event.other <= balls_.size() || event.other > count()) continue;
     const double speed = bodies_[event.other - balls_.size() - 1].kick;
@@ -88,13 +88,13 @@ void SceneWorld::kick() {
 
 void SceneWorld::respawn() {
   for (std::size_t k = 0; k < count(); ++k) {
-    const auto id = static_cast<BodyId>(k + 1);
-    if (is_free(id) && world_.pose(id).position.y() < *respawn_below_) put_back(k);
+    const auto id = BodyId(k + 1);
+    if (is_free(id) && world_.pose(id).position.y() < *respawn_below_) respawn_body(k);
   }
 }
 
-void SceneWorld::put_back(std::size_t k) {
-  const auto id = static_cast<BodyId>(k + 1);
+void SceneWorld::respawn_body(std::size_t k) {
+  const auto id = BodyId(k + 1);
   if (k < balls_.size()) {
     const BallSettings& ball = balls_[k];
     world_.put(id, {ball.position, Quat::Identity()}, ball.velocity, ball.angular_velocity);
@@ -105,12 +105,12 @@ void SceneWorld::put_back(std::size_t k) {
 }
 
 void SceneWorld::reset() {
-  for (std::size_t k = 0; k < count(); ++k) put_back(k);
+  for (std::size_t k = 0; k < count(); ++k) respawn_body(k);
 }
 
 void SceneWorld::follow(const SceneWorld& other) {
   for (std::size_t k = 0; k < std::min(count(), other.count()); ++k) {
-    const auto id = static_cast<BodyId>(k + 1);
+    const auto id = BodyId(k + 1);
     if (is_free(id) && other.is_free(id))
       world_.put(id, other.pose(k), other.world_.drawn_velocity(id), other.world_.angular_velocity(id));
   }

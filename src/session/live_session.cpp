@@ -19,10 +19,12 @@ MouseDevice::MouseDevice(const haptics::DeviceModel& model, const haptics::Hand&
 Vec3 MouseDevice::read() {
   const double dt = 1 / model_.rate;
   const Vec3 way = target_.fetch() - wanted_;
-  const double far = way.norm();
-  const Vec3 step = far > speed * dt ? Vec3(way * (speed * dt / far)) : way;
+  const double distance = way.norm();
+  const Vec3 step = distance > speed * dt ? Vec3(way * (speed * dt / distance)) : way;
   wanted_ += step;
-  // Semi-implicit Euler with the hand's damper taken implicitly, as haptics/devices/simulated.cpp.
+  // As SimulatedDevice: m v' = k (w - x) + c (w' - v) + f, semi-implicit Euler with the damper implicit:
+  //   v <- (v + dt/m F) / (1 + dt c/m),   F = k (w - x) + c w' + f.
+  // Stable for any c; k needs dt < 2 sqrt(m/k).
   const Vec3 push = hand_.stiffness * (wanted_ - position_) + hand_.damping * step / dt + force_;
   velocity_ = (velocity_ + dt / hand_.mass * push) / (1 + dt * hand_.damping / hand_.mass);
   position_ += dt * velocity_;
@@ -43,9 +45,7 @@ void AudioTap::render(std::span<float> stereo) noexcept {
     std::fill(stereo.begin(), stereo.end(), 0.0f);
   }
   busy_.store(false);
-  for (const float sample : stereo)
-    if (!played_.push(sample))
-      lost_.store(lost_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+  for (const float sample : stereo) (void)played_.push(sample);
 }
 
 void AudioTap::take(std::vector<float>& stereo) {
@@ -57,9 +57,9 @@ void AudioTap::take(std::vector<float>& stereo) {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using SteadyClock = std::chrono::steady_clock;
 
-// How far physics may fall behind before it leaves steps out, s.
+// How far physics may fall behind before it leaves out steps, s.
 constexpr double patience = 0.1;
 
 scene::Scene with_pen(scene::Scene scene) {
@@ -67,7 +67,7 @@ scene::Scene with_pen(scene::Scene scene) {
   return scene;
 }
 
-Representation taken(const scene::Scene& scene, bool takes_texture) {
+Representation representation_for(const scene::Scene& scene, bool takes_texture) {
   return takes_texture ? scene.surface.representation : Representation::flat;
 }
 
@@ -77,7 +77,7 @@ scene::PenSettings pen_for(const scene::Scene& scene) {
   if (scene.pen) return *scene.pen;
   scene::PenSettings pen;
   const double side = scene.surface.size.maxCoeff();
-  // The whole floor is within the workspace of a desktop device.
+  // The whole floor fits into the workspace of a desktop device.
   pen.workspace.scale = std::max(1.0, 1.2 * side / pen.device.workspace.x());
   pen.workspace.origin = scene.surface.position;
   pen.length = 0.16 * side;
@@ -90,8 +90,8 @@ LiveSession::LiveSession(const scene::Scene& scene, const scene::SceneSurface& s
     : scene_(with_pen(scene)),
       surface_(surface),
       options_(options),
-      loop_(scene_, surface, taken(scene, options.moves), taken(scene, options.feels),
-            [this](const ContactEvent& event) { emit(event); }),
+      loop_(scene_, surface, representation_for(scene, options.moves),
+            representation_for(scene, options.feels), [this](const ContactEvent& event) { emit(event); }),
       gain_db_(options.gain_db) {
   const scene::PenSettings& pen = *scene_.pen;
   if (device == nullptr) {
@@ -111,7 +111,7 @@ Result<std::unique_ptr<LiveSession>> LiveSession::create(const scene::Scene& sce
                                                          haptics::Device* device) {
   if (scene.balls.size() + scene.bodies.size() > most_live_bodies)
     return fail(scene.name, fmt::format("has more than {} bodies", most_live_bodies),
-                "the window shows no more; intaglio render does");
+                "the window shows no more; intaglio render has no such limit");
   return std::unique_ptr<LiveSession>(new LiveSession(scene, surface, options, device));
 }
 
@@ -128,7 +128,7 @@ void LiveSession::start(AudioTap* tap, scene::VoiceBaker* baker) {
   if (tap == nullptr || baker == nullptr) return;
   tap_ = tap;
   baker_ = baker;
-  ticket_ = baker->ask(heard(), surface_, options_.model_cache);
+  ticket_ = baker->request(heard(), surface_, options_.model_cache);
 }
 
 void LiveSession::stop() {
@@ -141,7 +141,7 @@ void LiveSession::stop() {
 
 scene::Scene LiveSession::heard() const {
   scene::Scene scene = scene_;
-  scene.surface.representation = taken(scene_, options_.hears);
+  scene.surface.representation = representation_for(scene_, options_.hears);
   return scene;
 }
 
@@ -195,35 +195,35 @@ std::string LiveSession::take_message() {
 
 void LiveSession::run() {
   const double dt = 1.0 / scene_.physics.rate;
-  auto before = Clock::now();
-  double owed = 0;  // simulated s that real time is ahead by
+  auto last = SteadyClock::now();
+  double backlog = 0;  // simulated s by which real time is ahead
   while (running_.load(std::memory_order_acquire)) {
     const Controls controls = controls_.fetch();
-    const auto now = Clock::now();
-    const double passed = std::chrono::duration<double>(now - before).count();
-    before = now;
+    const auto now = SteadyClock::now();
+    const double elapsed = std::chrono::duration<double>(now - last).count();
+    last = now;
     if (controls.resets != resets_done_) {
       loop_.world().reset();
       resets_done_ = controls.resets;
     }
     if (controls.paused) {
-      owed = 0;
+      backlog = 0;
       for (; singles_done_ < controls.single; ++singles_done_) step(controls);
     } else {
       singles_done_ = controls.single;
-      owed += passed * controls.speed;
-      if (owed > patience) {
-        now_.late += static_cast<std::uint64_t>((owed - dt) / dt);
-        owed = dt;
+      backlog += elapsed * controls.speed;
+      if (backlog > patience) {
+        now_.late += std::uint64_t((backlog - dt) / dt);
+        backlog = dt;
       }
-      for (; owed >= dt && running_.load(std::memory_order_relaxed); owed -= dt) {
-        lateness_.add(std::max(0.0, (owed - dt) / controls.speed));
+      for (; backlog >= dt && running_.load(std::memory_order_relaxed); backlog -= dt) {
+        lateness_.add(std::max(0.0, (backlog - dt) / controls.speed));
         step(controls);
       }
     }
     exchange_with_pen(controls.paused ? 0 : controls.speed);
     publish();
-    const double until = controls.paused ? 0.004 : std::clamp((dt - owed) / controls.speed, 0.0002, 0.004);
+    const double until = controls.paused ? 0.004 : std::clamp((dt - backlog) / controls.speed, 0.0002, 0.004);
     std::this_thread::sleep_for(std::chrono::duration<double>(until));
   }
 }
@@ -236,13 +236,13 @@ void LiveSession::step(const Controls& controls) {
   loop_.emit_contacts();
   loop_.emit_pen(report_, loop_.time(), 1.0 / scene_.physics.rate);
   if (sound::LiveSound* sound = sound_.load(std::memory_order_acquire)) sound->advance(loop_.time());
-  const double took = 1e-9 * double(thread_cpu_ns() - start);
-  now_.step_seconds += 0.02 * (took - now_.step_seconds);
+  const double cost = 1e-9 * double(thread_cpu_ns() - start);
+  now_.step_seconds += 0.02 * (cost - now_.step_seconds);
 }
 
 void LiveSession::exchange_with_pen(double speed) {
   report_ = servo_->latest();
-  // No hand is held by a mouse: what a stalled scene made the guard let go of is taken again.
+  // There is no hand to protect behind a mouse: a guard that let go because the scene stalled is re-armed.
   if (mouse_ && (report_.guard_status & haptics::guard_status::fault) != 0) servo_->rearm();
   servo_->publish(loop_.snapshot(speed));
   now_.pen = report_;

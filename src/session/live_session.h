@@ -1,5 +1,17 @@
-// What a live session is told and what it shows: plain values that cross between the window's thread and the
-// physics thread in latest-value slots (core/latest.h). World frame, SI.
+// A scene that runs in real time: physics, touch and sound, each in a thread of its own.
+//
+//   window ─ Controls ▶ physics thread ─ LiveState ▶ window        by Latest slots
+//                        │  ▲
+//        SceneSnapshot   ▼  │ ServoReport        ContactEvents ▶ LiveSound ▶ the audio device's thread
+//                     servo thread
+//
+// Physics takes whole steps by the steady clock; when the machine does not keep up, steps are left out and
+// counted. Sound starts when its models are there, from a cache or from a baking thread; until then it is
+// silent. The touch loop keeps running while the scene is paused.
+//
+// create() takes some tenths of a second; call it in a thread of its own to keep a window responsive. All
+// other members: one thread, the window's. Values between threads cross in latest-value slots
+// (core/lock_free.h). World frame, SI.
 #pragma once
 
 #include <array>
@@ -29,11 +41,11 @@ inline constexpr std::size_t most_live_bodies = 256, most_marks = 64;
 struct Controls : StepInput {
   bool paused = false;
   double speed = 1;          // simulated seconds a second, 0.01..1
-  std::uint64_t single = 0;  // steps asked for since the start, while paused
-  std::uint64_t resets = 0;  // asked for since the start
+  std::uint64_t single = 0;  // steps to take while paused, counted since the start
+  std::uint64_t resets = 0;  // counted since the start
 };
 
-// One contact of one step, to be drawn until it fades.
+// One contact of one step, drawn until it fades.
 struct ContactMark {
   double time = 0;
   BodyId body = 0, other = floor_body;
@@ -45,7 +57,7 @@ struct ContactMark {
 struct LiveState {
   double time = 0;          // s, simulated
   std::uint64_t steps = 0;  // physics steps
-  std::uint64_t late = 0;   // steps left out because the machine did not keep up
+  std::uint64_t late = 0;   // steps left out because the machine could not keep up
   double step_seconds = 0;  // CPU time of a step, smoothed
   std::size_t bodies = 0;   // balls, then the scene's other bodies
   std::array<Pose, most_live_bodies> pose;
@@ -54,17 +66,16 @@ struct LiveState {
   haptics::ServoReport pen;
 };
 
-// A haptic device that a mouse leads: a PHANToM Desktop in a simulated hand whose wish is where the mouse
-// points. The force that a hand would feel holds this one back, so that the pen stays on the relief.
+// A haptic device led by the mouse: a PHANToM Desktop in a simulated hand that pulls towards where the mouse
+// points. The force holds the hand back, so that the pen stays on the relief.
 //
-// lead() from one thread, read() and write() from the servo thread; neither waits. Real-time.
-
+// lead() from one thread, read() and write() from the servo thread; none of them waits. Real-time.
 class MouseDevice : public haptics::Device {
  public:
   // `start` in the device's workspace, metres.
   MouseDevice(const haptics::DeviceModel& model, const haptics::Hand& hand, const Vec3& start);
 
-  // Where the hand wants the tip from now on, device workspace. It goes there at `speed` m/s at most.
+  // Where the hand pulls the tip, device workspace; it moves there at `speed` m/s at most.
   void lead(const Vec3& target) { target_.publish(target); }
 
   Vec3 read() override;
@@ -80,80 +91,63 @@ class MouseDevice : public haptics::Device {
   Vec3 wanted_, position_, velocity_ = Vec3::Zero(), force_ = Vec3::Zero();
 };
 
-// Between an audio device and what it plays: the source may be changed while the device runs, and what is
-// played can be looked at (a scope) and kept (a recording).
+// Sits between an audio device and its source: the source can be changed while the device runs, and the
+// played samples can be shown (a scope) and kept (a recording).
 //
-// play() from one thread, render() from the device's, take() from one. render() neither allocates nor waits;
-// play() waits until no render() uses the old source any more.
-
+// play() and take() from one thread each, render() from the device's. render() neither allocates nor waits;
+// play() waits until no render() uses the old source.
 class AudioTap : public sound::AudioSource {
  public:
   void play(sound::AudioSource* source);
   void render(std::span<float> stereo) noexcept override;
 
-  // What was played since the last call, left and right by turns; what nobody takes in two seconds is lost.
+  // Appends what was played since the last call, interleaved; samples older than two seconds are lost.
   void take(std::vector<float>& stereo);
-  std::uint64_t lost() const { return lost_.load(std::memory_order_relaxed); }
 
  private:
   std::atomic<sound::AudioSource*> source_{nullptr};
   std::atomic<bool> busy_{false};
   SpscQueue<float> played_{2 * 2 * 48'000};
-  std::atomic<std::uint64_t> lost_{0};
 };
 
-// A scene that is alive: physics, touch and sound each in a thread of its own, in real time.
-//
-//   window ─ Controls ▶ physics thread ─ LiveState ▶ window        by core/latest slots
-//                        │  ▲
-//        SceneSnapshot   ▼  │ ServoReport        ContactEvents ▶ LiveSound ▶ the audio device's thread
-//                     servo thread
-//
-// Physics takes whole steps by the steady clock; when the machine does not keep up it leaves steps out and
-// counts them. Sound begins when its models are there: they come from a cache, or are baked by a thread of
-// their own, and meanwhile it is silent. The touch loop goes on while the scene is paused, as a hand would.
-//
-// create() takes what making the surfaces took, some tenths of a second; call it in a thread of its own to
-// keep a window alive. All other members: one thread, the window's.
-
 struct LiveOptions {
-  // Which senses take the texture; the others take the bare rectangle.
+  // Which senses take the texture; the others take the bare surface.
   bool moves = true, feels = true, hears = true;
   std::filesystem::path model_cache;  // empty: none
   int sample_rate = 44'100;           // of the audio device
   double gain_db = 0;
 };
 
-// The scene's pen, or one that fits its floor.
+// The scene's pen, or one sized to its floor.
 scene::PenSettings pen_for(const scene::Scene& scene);
 
 class LiveSession {
  public:
-  // `surface` is make_surface(scene)'s, so that an unchanged texture need not be made again. `device` is the
-  // pen's; none: a MouseDevice. It outlives the session.
+  // `surface` is make_surface(scene)'s; a caller keeps it, so that an unchanged texture is not built again.
+  // `device` is the pen's and outlives the session; null: a MouseDevice.
   static Result<std::unique_ptr<LiveSession>> create(const scene::Scene& scene,
                                                      const scene::SceneSurface& surface,
                                                      const LiveOptions& options,
                                                      haptics::Device* device = nullptr);
   ~LiveSession();
 
-  // Bodies go on where `other`, a stopped session of the same scene, had them.
+  // Bodies continue where `other`, a stopped session of the same scene, had them.
   void follow(const LiveSession& other) { loop_.world().follow(other.loop_.world()); }
-  // Resets and single steps that `other`, a stopped session, has done are not asked of this one.
+  // Resets and single steps that `other`, a stopped session, has done are not repeated.
   void count_from(const LiveSession& other) {
     singles_done_ = other.singles_done_;
     resets_done_ = other.resets_done_;
   }
-  // `tap` is what the audio device plays, `baker` makes what rings; null: no sound.
+  // `tap` is what the audio device plays, `baker` makes the modal models; null: no sound.
   void start(AudioTap* tap, scene::VoiceBaker* baker);
   void stop();
 
-  // Once a picture: what is wanted of physics from now on.
+  // Once per picture: the input of physics from now on.
   void control(const Controls& controls);
   // The newest state. Valid until the next call.
   const LiveState& state() { return state_.fetch(); }
 
-  // Where the mouse wants the pen's tip, world; nothing happens with another device.
+  // Where the mouse pulls the pen's tip, world; ignored with another device.
   void lead_pen(const Vec3& tip);
   void set_listener(const sound::Listener& listener);
   void set_gain_db(double gain_db);
@@ -163,11 +157,11 @@ class LiveSession {
   const LiveOptions& options() const { return options_; }
   bool is_free(BodyId id) const { return loop_.world().is_free(id); }
   haptics::ServoLoop& servo() { return *servo_; }
-  // Of physics: how late a step was begun.
+  // How late physics steps began.
   const haptics::Lateness& lateness() const { return lateness_; }
   std::optional<sound::LiveStatus> sound_status();
   bool has_sound() const { return sound_.load() != nullptr; }
-  // What went wrong with the sound, once; empty when nothing did.
+  // The error of the sound, once; empty when there is none.
   std::string take_message();
 
  private:

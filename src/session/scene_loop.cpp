@@ -169,8 +169,8 @@ void SceneLoop::emit_contacts() const {
 //     m x'' = m w^2 (target - x) - 2 m w x'
 //
 // is critically damped for a body held at its centre. Held elsewhere a body turns, too; its effective mass at
-// the grip is smaller, (1/m + |r x n|^2 / I)^-1, and the spring overdamped. w = 25/s reaches the target in about
-// 40 ms; explicit steps of 1/480 s have w dt = 0.05, far from the limit of stability at 2.
+// the grip is smaller, (1/m + |r x n|^2 / I)^-1, and the spring overdamped. w = 25/s reaches the target in
+// about 40 ms; explicit steps of 1/480 s have w dt = 0.05, far from the limit of stability at 2.
 void SceneLoop::drag(const StepInput& input) {
   if (!world_.is_free(input.dragged)) return;
   dynamics::World& world = world_.world();

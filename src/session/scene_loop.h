@@ -2,8 +2,8 @@
 //
 // A session owns the clock and the threads. It calls step() and emit_contacts() once a physics step, runs the
 // servo that make_servo() gives it, and hands the servo's reports back. Every contact goes to one sink, in
-// order of time: a recording and a synthesizer offline, sound and the window's marks live. Balls, bodies and the
-// pen are numbered as in scene/world.h. One thread, physics'; the servo may run in another.
+// order of time: a recording and a synthesizer offline, sound and the window's marks live. Balls, bodies and
+// the pen are numbered as in scene/world.h. One thread, physics'; the servo may run in another.
 #pragma once
 
 #include <functional>
@@ -21,8 +21,8 @@ namespace intaglio::session {
 
 // Several solids as one thing to touch: the pen meets the one that it is deepest in.
 //
-// The depth is the greatest of the parts' depths: continuous, so an energy made of it is, too; its gradient is
-// that of the deepest part. Real-time; any thread.
+// The depth is the greatest of the parts' depths: continuous, so an energy made of it is, too; its gradient
+// is that of the deepest part. Real-time; any thread.
 class UnionSolid : public haptics::Solid {
  public:
   void add(std::unique_ptr<haptics::Solid> part) { parts_.push_back(std::move(part)); }
@@ -43,7 +43,7 @@ using ContactSink = std::function<void(const ContactEvent&)>;
 // The pen in a scene: the surfaces that it meets, the balls that it pushes, and its contacts.
 class PenLink {
  public:
-  // Of a scene with a pen. `felt`: how much of the textures the pen feels.
+  // The scene has a pen. `felt`: how much of the textures the pen feels.
   PenLink(const scene::Scene& scene, const scene::SceneSurface& surface, Representation felt);
 
   // Meets the floor and all grounds; with the paper's planes, which are made of one surface, the floor only.
@@ -79,7 +79,7 @@ class PenLink {
   std::optional<std::size_t> touched_;       // the ground that the pen touched last
 };
 
-// What acts on bodies during a step, besides physics and the pen.
+// Input of a step: keys, and a body that a hand drags.
 struct StepInput {
   unsigned keys = 0;            // left_key, right_key of scene/world.h
   BodyId dragged = floor_body;  // the floor: none

@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::size_t block_size = 64;
 
-// What the scene's pen cannot display without the hand's help, if anything.
-std::optional<std::string> stability_of(const scene::PenSettings& pen) {
+// Warns of a spring that the pen's device cannot display stably.
+std::optional<std::string> pen_stability_warning(const scene::PenSettings& pen) {
   const haptics::DeviceDynamics device{pen.hand.damping, 0.02, pen.device.resolution, pen.device.rate};
   return haptics::stability_warning(device, pen.spring.stiffness, pen.spring.damping);
 }
@@ -26,7 +26,7 @@ std::vector<haptics::Waypoint> device_path(const scene::PenSettings& pen) {
 }
 
 int servo_rate(const scene::Scene& scene) {
-  return scene.pen ? static_cast<int>(scene.pen->device.rate) : 1;
+  return scene.pen ? int(scene.pen->device.rate) : 1;
 }
 
 }  // namespace
@@ -38,7 +38,6 @@ sound::Listener listener_of(const scene::CameraSettings& camera) {
 
 Simulation::Simulation(const scene::Scene& scene, const scene::SceneSurface& surface)
     : scene_(scene),
-      surface_(surface.surface),
       scene_surface_(surface),
       clock_({scene.physics.rate, servo_rate(scene), scene.sound.sample_rate, scene.video.fps}),
       loop_(scene, surface, scene.surface.representation, scene.surface.representation,
@@ -51,14 +50,14 @@ Simulation::Simulation(const scene::Scene& scene, const scene::SceneSurface& sur
   recording_.sample_rate = scene.sound.sample_rate;
   recording_.fps = scene.video.fps;
   recording_.representation = scene.surface.representation;
-  recording_.surface = surface_;
+  recording_.surface = surface.surface;
   recording_.texture = scene.surface.texture;
   for (std::size_t k = 0; k < scene.balls.size(); ++k)
     recording_.balls.push_back({loop_.world().ball(k), scene.balls[k].radius, {}});
   if (scene.pen) {
     device_.emplace(scene.pen->device, scene.pen->hand, device_path(*scene.pen));
     servo_.emplace(loop_.pen()->make_servo());
-    if (const auto warning = stability_of(*scene.pen)) recording_.warnings.push_back(*warning);
+    if (const auto warning = pen_stability_warning(*scene.pen)) recording_.warnings.push_back(*warning);
     recording_.pen = loop_.world().pen();
   }
 }
@@ -78,17 +77,16 @@ Result<void> Simulation::bake() {
   synthesizer_ =
       std::make_unique<sound::Synthesizer>(scene::synthesizer_options(scene_), std::move(voices->bodies));
   synthesizer_->set_listener(listener_of(scene_.camera));
-  recording_.bake_s = static_cast<double>(process_cpu_ns() - start) * 1e-9;
+  recording_.bake_s = double(process_cpu_ns() - start) * 1e-9;
   return {};
 }
 
 void Simulation::run_until(Ticks end) {
-  // What is heard in a block is known up to one and a half physics steps after it was due: wait for that
-  // long.
+  // A contact is heard in mid-step and may be dated up to a step back (touch_age), so an event reported at
+  // t_n concerns times from t_n - 1.5 dt on: a block may only be rendered that much later.
   const Ticks patience = 2 * clock_.due(1, scene_.physics.rate);
   const auto block_due = [&] {
-    return clock_.due(static_cast<std::int64_t>(block_size) * (blocks_done_ + 1), scene_.sound.sample_rate) +
-           patience;
+    return clock_.due(std::int64_t(block_size) * (blocks_done_ + 1), scene_.sound.sample_rate) + patience;
   };
   while (true) {
     const Ticks physics = clock_.due(physics_done_ + 1, scene_.physics.rate);
@@ -120,26 +118,26 @@ Snapshot Simulation::advance_to_frame(std::int64_t index) {
 
 void Simulation::finish() {
   run_until(clock_.due(clock_.steps(scene_.duration, scene_.physics.rate), scene_.physics.rate));
-  const auto wanted = static_cast<std::size_t>(clock_.steps(scene_.duration, scene_.sound.sample_rate));
+  const auto samples = std::size_t(clock_.steps(scene_.duration, scene_.sound.sample_rate));
   std::vector<float>& stereo = recording_.stereo;
-  while (stereo.size() < 2 * wanted) step_sound();
-  stereo.resize(2 * wanted);
+  while (stereo.size() < 2 * samples) step_sound();
+  stereo.resize(2 * samples);
   sound::to_full_scale(stereo, stereo, {scene_.sound.gain_db});
-  for (std::size_t k = 0; k < wanted; ++k)
+  for (std::size_t k = 0; k < samples; ++k)
     recording_.audio.push_back(0.5f * (stereo[2 * k] + stereo[2 * k + 1]));
   Hash audio;
   audio.add(std::span<const float>(stereo));
   recording_.audio_hash = audio.value();
   recording_.event_hash = event_hash_.value();
   recording_.momentum_residual = loop_.world().world().momentum_residual();
-  recording_.surface_bytes = surface_->memory_bytes();
+  recording_.surface_bytes = scene_surface_.surface->memory_bytes();
   recording_.costs = {
-      physics_cost_.summary(
+      physics_cost_.summarise(
           {"dynamics", fmt::format("1/{} s step", scene_.physics.rate), 1.0 / scene_.physics.rate}),
-      servo_cost_.summary(
+      servo_cost_.summarise(
           {"haptics", fmt::format("1/{} s tick", recording_.servo_rate), 1.0 / recording_.servo_rate}),
-      sound_cost_.summary({"sound", fmt::format("{}-sample block", block_size),
-                           static_cast<double>(block_size) / scene_.sound.sample_rate}),
+      sound_cost_.summarise({"sound", fmt::format("{}-sample block", block_size),
+                             double(block_size) / scene_.sound.sample_rate}),
   };
 }
 
@@ -149,7 +147,7 @@ void Simulation::record(const ContactEvent& event) {
   event_hash_.add(event.time);
   event_hash_.add(std::isnan(event.touch_age) ? -1 : event.touch_age);
   event_hash_.add(event.body);
-  event_hash_.add(static_cast<std::uint8_t>(event.phase));
+  event_hash_.add(std::uint8_t(event.phase));
   event_hash_.add(event.other);
   event_hash_.add(event.texture);
   const Vec2 none = Vec2::Zero();
@@ -189,6 +187,15 @@ void Simulation::step_sound() {
   sound_cost_.measure([&] { synthesizer_->render_stereo(block_); });
   ++blocks_done_;
   recording_.stereo.insert(recording_.stereo.end(), block_.begin(), block_.end());
+}
+
+Result<Recording> play(const scene::Scene& scene) {
+  const auto surface = scene::make_surface(scene);
+  if (!surface) return tl::unexpected(surface.error());
+  auto simulation = Simulation::create(scene, *surface);
+  if (!simulation) return tl::unexpected(simulation.error());
+  (*simulation)->finish();
+  return std::move((*simulation)->recording());
 }
 
 }  // namespace intaglio::session

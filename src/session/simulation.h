@@ -1,7 +1,7 @@
-// The multi-rate loop: physics, haptics and sound of a scene, advanced in one clock.
+// Offline simulation: physics, haptics and sound of a scene, advanced in one integer clock.
 //
-// Loops run in the order in which their steps are due (core/clock.h); at the same tick physics goes before
-// haptics, haptics before sound. A block of sound is made when every contact that can be heard in it has
+// Steps run in the order in which they are due (Clock, core/event.h); at the same tick physics goes before
+// haptics, haptics before sound. A block of sound is rendered once every contact that can be heard in it has
 // happened. One thread; deterministic.
 #pragma once
 
@@ -19,10 +19,10 @@
 
 namespace intaglio::session {
 
-// Ears where the camera is.
+// Ears at the camera.
 sound::Listener listener_of(const scene::CameraSettings& camera);
 
-// Where everything is, for one picture.
+// All poses, for one picture.
 struct Snapshot {
   double time = 0;
   std::vector<Pose> balls, bodies;
@@ -35,9 +35,9 @@ class Simulation {
   static Result<std::unique_ptr<Simulation>> create(const scene::Scene& scene,
                                                     const scene::SceneSurface& surface);
 
-  // Runs everything that is due before or at frame `index`, and shows where things are then.
+  // Runs everything due up to and including frame `index`, and returns the poses at that time.
   Snapshot advance_to_frame(std::int64_t index);
-  // Runs to the end of the scene; then recording() is complete but for pictures, their cost and wall time.
+  // Runs to the end of the scene; then recording() is complete except for pictures, their cost and wall time.
   void finish();
 
   Recording& recording() { return recording_; }
@@ -53,7 +53,6 @@ class Simulation {
   void record(const ContactEvent& event);
 
   scene::Scene scene_;
-  std::shared_ptr<const surface::Surface> surface_;
   scene::SceneSurface scene_surface_;
   Clock clock_;
   SceneLoop loop_;
@@ -67,5 +66,8 @@ class Simulation {
   Hash event_hash_;
   Recording recording_;
 };
+
+// Simulates a scene without rendering. Seconds, mostly modal analysis.
+Result<Recording> play(const scene::Scene& scene);
 
 }  // namespace intaglio::session

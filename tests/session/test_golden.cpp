@@ -38,7 +38,7 @@ Image8 first_picture(const Scene& scene, const SceneSurface& surface) {
   return (*renderer)->draw(ScenePicture(scene, surface).frame(balls, bodies, std::nullopt));
 }
 
-// Of blocks, 0..255.
+// Between blocks, 0..255.
 struct Difference {
   double mean = 0, worst = 0;
   bool is_seen() const { return mean > 0.8 || worst > 30; }

@@ -238,7 +238,7 @@ position = [0.9, 0, 0]
   Vec3 sum = Vec3::Zero();
   for (const ContactEvent& event : events) sum += event.impulse;
   CHECK(sum.y() == doctest::Approx(1e-3 * 55));
-  // Of a curved ground the event says which way its texture goes by, and how fast.
+  // On a curved ground the event says which way its texture passes, and how fast.
   const ContactEvent& last = events[events.size() - 2];
   REQUIRE(last.other == first_surface_body + 1);
   CHECK((last.n_g - up).norm() < 0.05);
@@ -256,7 +256,7 @@ TEST_CASE("a world that follows another keeps its velocities, also over a normal
   CHECK((second.world().velocity(1) - first.world().velocity(1)).norm() < 1e-6);
   CHECK((second.world().drawn_velocity(1) - first.world().drawn_velocity(1)).norm() < 1e-6);
   CHECK((second.pose(0).position - first.pose(0).position).norm() < 1e-5);
-  // What is drawn rolls on the floor; in a world without the map nothing else is there.
+  // The drawn ball rolls on the flat floor; in a world without the map that is the only one.
   flat.follow(first);
   CHECK(std::abs(first.world().velocity(1).y()) > 0.02);
   CHECK(std::abs(flat.world().velocity(1).y()) < 0.005);

@@ -26,10 +26,10 @@ Recording run(const std::string& text) {
 
 double rms(const std::vector<float>& audio, double from, double to) {
   double sum = 0;
-  const auto a = static_cast<std::size_t>(from * 44100);
-  const auto b = std::min(audio.size(), static_cast<std::size_t>(to * 44100));
-  for (std::size_t k = a; k < b; ++k) sum += static_cast<double>(audio[k]) * static_cast<double>(audio[k]);
-  return std::sqrt(sum / static_cast<double>(b - a));
+  const auto a = std::size_t(from * 44100);
+  const auto b = std::min(audio.size(), std::size_t(to * 44100));
+  for (std::size_t k = a; k < b; ++k) sum += double(audio[k]) * double(audio[k]);
+  return std::sqrt(sum / double(b - a));
 }
 
 const std::string drop = "duration = 1.5\n[[ball]]\nradius = 0.04\nposition = [0.0, 0.2, 0.0]\n";
@@ -70,7 +70,7 @@ TEST_CASE("every representation runs, and the senses get the same texture") {
     CHECK(std::any_of(recording.servo.begin(), recording.servo.end(),
                       [](const auto& s) { return s.touching; }));
     for (const ContactEvent& event : recording.events) {
-      // What is felt is what the map says at that place.
+      // The normal that is felt is the map's at that place.
       const Vec3 map = recording.surface->world_normal(event.uv);
       if (event.phase != ContactPhase::end && recording.representation != Representation::flat)
         CHECK((event.n_s - map).norm() < 1e-9);

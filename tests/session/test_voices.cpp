@@ -2,8 +2,10 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <set>
+#include <thread>
 
 #include "core/file.h"
 #include "scene/surfaces.h"
@@ -45,6 +47,18 @@ TEST_CASE("shipped scenes sound at once: every model is beside them, and none th
   for (const auto& entry : fs::directory_iterator(scenes / "models"))
     there.insert(entry.path().stem().string());
   CHECK(used == there);
+}
+
+TEST_CASE("a baker is busy from the request on, so that a program that quits then does not cut it off") {
+  VoiceBaker baker;
+  const Scene scene = small_scene();
+  const SceneSurface surface = make_surface(scene).value();
+  const std::uint64_t ticket = baker.request(scene, surface, {});
+  CHECK(baker.is_busy());
+  for (int k = 0; k < 24'000 && baker.is_busy(); ++k)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  CHECK_FALSE(baker.is_busy());
+  CHECK(baker.take(ticket).has_value());
 }
 
 TEST_CASE(
