@@ -1,4 +1,4 @@
-// The live session: what its threads do together. Times are generous: machines may be busy.
+// The live session with all its threads. Times are generous: machines may be busy.
 #include <doctest/doctest.h>
 
 #include <chrono>
@@ -88,7 +88,7 @@ TEST_CASE("a dragged ball hangs where it is pulled to, and a session that follow
   CHECK(wait_for(*next, [&](const LiveState& s) { return (s.pose[0].position - was).norm() < 0.1; }));
 }
 
-TEST_CASE("what one session has done, resets and single steps, the next does not do again") {
+TEST_CASE("a session that follows does not repeat the resets and single steps of the one before") {
   const Scene scene = parsed(drop);
   const auto session = live(scene);
   session->start(nullptr, nullptr);
@@ -130,7 +130,7 @@ TEST_CASE("the mouse's pen comes down, touches, pushes back, and lets go") {
   CHECK(wait_for(*session, [](const LiveState& s) { return !s.pen.touching && s.pen.tip.y() > 0.05; }));
 }
 
-TEST_CASE("sound starts when its models are made, and a blow is heard") {
+TEST_CASE("sound starts when its models are ready, and an impact is heard") {
   const Scene scene = parsed(drop + "[sound]\nmodes = 4\n");
   VoiceBaker baker;
   AudioTap tap;
@@ -156,7 +156,7 @@ TEST_CASE("sound starts when its models are made, and a blow is heard") {
   device.stop();
 }
 
-TEST_CASE("every letter is a compound of boxes within its size; others are none") {
+TEST_CASE("every letter is a compound of boxes within its size; other text has no shape") {
   for (const char c : std::string("ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789")) {
     const auto shape = letter_shape(std::string(1, c), {0.10, 0.02, 0.14});
     REQUIRE(shape);

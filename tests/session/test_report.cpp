@@ -127,7 +127,7 @@ std::string nesting_fault(const std::string& html) {
       open.pop_back();
     } else if (tag.back() != '/' && empty.count(name) == 0) {
       open.push_back(name);
-      // What is inside is no markup.
+      // Its content is not markup.
       if (name == "style" || name == "script") at = html.find("</" + name, at);
     }
   }
@@ -142,7 +142,7 @@ std::size_t count_of(const std::string& text, const std::string& part) {
 
 }  // namespace
 
-TEST_CASE("a report is well-formed, whole and finite, whatever was recorded") {
+TEST_CASE("a report is well-formed, complete and finite for any recording") {
   const std::vector<std::uint8_t> video = {0, 1, 2, 3};
   for (const Recording& recording : {Recording{}, session_of(2), broken_session()}) {
     const std::string html = without_data(report_html(recording, video));
@@ -218,7 +218,7 @@ TEST_CASE("agreement is near perfect for a session that agrees, and chance for o
 }
 
 TEST_CASE(
-    "a touch is what is new in a contact, when it came; a faint one and one that a louder masks need no sound") {
+    "a touch is the increase of a contact's impulse, at its time; faint and masked touches need no sound") {
   Recording recording;
   recording.duration = 2;
   const auto add = [&](int k, double impulse, ContactPhase phase, double touch_age = std::nan("")) {
@@ -245,7 +245,7 @@ TEST_CASE(
   CHECK(clear[1].time == touches[1].time);
 }
 
-TEST_CASE("what cannot be told is not a number, and is written as a dash") {
+TEST_CASE("measures that do not apply are NaN and print as a dash") {
   const Agreement none = measure_agreement(Recording{});
   for (const double value : {none.onsets_at_touch, none.touches_heard, none.relief_correlation,
                              none.idle_energy, none.modal_energy, none.modal_contrast_db}) {
@@ -267,17 +267,17 @@ TEST_CASE("a curve keeps its peaks however many samples fall into one unit") {
   CHECK(svg.size() < 4000);
 }
 
-TEST_CASE("the page stays small, also for noise") {
+TEST_CASE("the page stays small even for noise") {
   Recording recording = session_of(5);
   Random random(1);
   for (float& sample : recording.audio) sample = float(0.3 * random.normal());
   KeyFrame frame{0, Image8(1280, 720, 3)};
-  for (std::uint8_t& value : frame.image.data) value = static_cast<std::uint8_t>(random.next());
+  for (std::uint8_t& value : frame.image.data) value = std::uint8_t(random.next());
   recording.key_frames.assign(12, frame);
   CHECK(report_html(recording, {}).size() < 6'000'000);
 }
 
-TEST_CASE("base64 as in RFC 4648") {
+TEST_CASE("base64 follows RFC 4648") {
   const auto encoded = [](std::string_view text) {
     return data_uri("t/t", std::vector<std::uint8_t>(text.begin(), text.end()));
   };

@@ -47,7 +47,7 @@ TEST_CASE("an unknown key names its line and the nearest known key") {
   CHECK(has(error_of("[phisics]\nrate = 100\n"), "physics"));
 }
 
-TEST_CASE("values that make no sense are errors with line and what would be right") {
+TEST_CASE("invalid values are errors with their line and the fix") {
   const struct {
     const char* text;
     const char* line;
@@ -108,7 +108,7 @@ TEST_CASE("values that make no sense are errors with line and what would be righ
   }
 }
 
-TEST_CASE("textures and bases that cannot be taken are errors of the scene's line, with file and reason") {
+TEST_CASE("unusable textures and bases are errors at the scene's line, with file and reason") {
   const std::string sheet = std::string(tests::source_folder) + "/tests/CMakeLists.txt";
   const struct {
     std::string text;
@@ -137,7 +137,7 @@ TEST_CASE("textures and bases that cannot be taken are errors of the scene's lin
 }
 
 TEST_CASE(
-    "a texture so fine on its base that contact would not end is refused; a fine one is said to be slow") {
+    "a texture too fine for contact on its base is an error; a fine one gets a warning") {
   const auto made = [](int repeat, double depth) {
     const auto scene =
         parse_scene(fmt::format("[[ball]]\nradius = 0.045\n[[ground]]\ntexture = \"pebbles\"\ndepth = {}\n"
@@ -166,7 +166,7 @@ TEST_CASE(
   CHECK(covered_texels(*slow, 0.045) == 0);
 }
 
-TEST_CASE("another texture takes nothing over of what was said of the scene's own") {
+TEST_CASE("replacing a texture clears the settings of the old one") {
   auto scene = parse_scene("[surface]\ntexture = \"a.png\"\ngreen = \"-Y\"\ndepth = 0.1\n", "s.toml");
   REQUIRE(scene);
   put_texture(scene->surface, "none.png");

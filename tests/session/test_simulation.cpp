@@ -55,13 +55,13 @@ TEST_CASE("a dropped ball is silent until it lands, loud when it lands, and neve
   for (const float sample : recording.audio) CHECK(std::abs(sample) <= 1);
 }
 
-TEST_CASE("nothing that touches, nothing that sounds") {
+TEST_CASE("a scene without contacts is silent") {
   const Recording recording = run("duration = 0.5\n");
   CHECK(recording.events.empty());
   CHECK(std::all_of(recording.audio.begin(), recording.audio.end(), [](float s) { return s == 0; }));
 }
 
-TEST_CASE("every representation runs, and the senses get the same texture") {
+TEST_CASE("every representation runs, and all senses get the same texture") {
   for (const char* representation : {"flat", "normal", "relief"}) {
     const Recording recording =
         run("duration = 1.2\n[surface]\nrepresentation = \"" + std::string(representation) +
@@ -91,7 +91,7 @@ TEST_CASE("a pen that sweeps into a ball pushes it, feels it, and no momentum is
   CHECK(recording.momentum_residual < 1e-5);
 }
 
-TEST_CASE("the paper's plane can still be chosen for the pen") {
+TEST_CASE("the paper's plane can be chosen for the pen") {
   const std::string text =
       "duration = 1\n[pen]\npath = [[0, 0, 0.01, 0], [0.3, 0, -0.01, 0], [1, 0.05, -0.01, 0.02]]\n";
   const Recording ours = run(text), plane = run(text + "method = \"plane\"\n");

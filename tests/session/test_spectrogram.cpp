@@ -49,7 +49,7 @@ TEST_CASE("Parseval: a spectrogram keeps the energy of its audio") {
   }
 }
 
-TEST_CASE("silence, and no sound at all, are the floor everywhere") {
+TEST_CASE("silence and an empty recording are at the floor everywhere") {
   SpectrogramView view;
   for (const std::size_t samples : {std::size_t{0}, std::size_t{44100}}) {
     const Spectrogram s = make_spectrogram(std::vector<float>(samples), 44100);
