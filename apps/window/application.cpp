@@ -256,7 +256,7 @@ void Application::adapt_picture() {
 
 void Application::hear() {
   heard_.clear();
-  stage_.tap().take(heard_);
+  stage_.tap().drain(heard_);
   if (recorder_) recorder_->hear(heard_);
   for (std::size_t k = 0; k + 1 < heard_.size(); k += 2)
     facts_.scope.push_back(0.5f * (heard_[k] + heard_[k + 1]));
@@ -337,7 +337,7 @@ void Application::finish_report() {
   report_.touch = {servo.compute().count(), servo.left_out(), servo.wake_up().quantile(0.99),
                    servo.compute().quantile(0.99), servo.priority()};
   const session::LiveState& state = session->state();
-  report_.dynamics = {state.steps, state.late, state.step_seconds};
+  report_.dynamics = {state.steps, state.dropped_steps, state.step_seconds};
   const sound::AudioStatus audio = stage_.audio()->status();
   report_.sound = {audio.buffers, audio.underruns, 0, 0, audio.busiest, 0};
   if (const auto live = session->sound_status()) {

@@ -163,7 +163,7 @@ void Hands::follow(double seconds, const Settings& settings, session::LiveSessio
   controls_.paused = settings.paused;
   controls_.speed = std::clamp(settings.speed, 0.01, 1.0);
   controls_.keys = keys_ | shoulders_;
-  session.control(controls_);
+  session.set_controls(controls_);
 }
 
 // The body under the mouse is pulled in the plane that faces the camera and went through it when it was
@@ -219,11 +219,11 @@ void Hands::lead_pen(session::LiveSession& session, const Projection& projection
   const surface::Placement& placement = floor.placement();
   const double side = std::max(placement.size_u(), placement.size_v());
   const Vec3 normal = curved ? curved->normal : placement.n();
-  if (motion_ != Motion::press) return session.lead_pen(*at + 0.02 * side * normal);
-  if (curved) return session.lead_pen(*at - (floor.max_depth() + 0.01 * press_ * side) * normal);
+  if (motion_ != Motion::press) return session.set_pen_target(*at + 0.02 * side * normal);
+  if (curved) return session.set_pen_target(*at - (floor.max_depth() + 0.01 * press_ * side) * normal);
   const Vec3 local = placement.to_local(*at);
   const double depth = placement.covers(local) ? floor.depth(placement.uv(local)) : 0;
-  session.lead_pen(*at - (depth + 0.01 * press_ * side) * placement.n());
+  session.set_pen_target(*at - (depth + 0.01 * press_ * side) * placement.n());
 }
 
 Gamepad::~Gamepad() {
@@ -273,9 +273,10 @@ unsigned Gamepad::shoulders() const {
 
 Rumble rumble_of(const session::LiveState& state, std::uint64_t since) {
   Rumble rumble;
-  const std::uint64_t oldest = state.marks > session::most_marks ? state.marks - session::most_marks : 0;
-  for (std::uint64_t k = std::max(since, oldest); k < state.marks; ++k) {
-    const session::ContactMark& mark = state.mark[k % session::most_marks];
+  const std::uint64_t oldest =
+      state.mark_count > session::max_marks ? state.mark_count - session::max_marks : 0;
+  for (std::uint64_t k = std::max(since, oldest); k < state.mark_count; ++k) {
+    const session::ContactMark& mark = state.marks[k % session::max_marks];
     // 1 mN s is just felt, 1 N s shakes with all there is.
     const double size = mark.impulse.norm();
     const double strength = std::clamp(1 + std::log10(std::max(size, 1e-9)) / 3, 0.0, 1.0);
@@ -287,7 +288,7 @@ Rumble rumble_of(const session::LiveState& state, std::uint64_t since) {
 
 void Gamepad::feel(const session::LiveState& state) {
   const Rumble rumble = rumble_of(state, felt_);
-  felt_ = state.marks;
+  felt_ = state.mark_count;
   if (controller_ == nullptr || (rumble.blow <= 0 && rumble.slide <= 0)) return;
   const auto motor = [](double x) { return static_cast<Uint16>(65535 * std::clamp(x, 0.0, 1.0)); };
   SDL_GameControllerRumble(controller_, motor(rumble.blow), motor(rumble.slide), 60);

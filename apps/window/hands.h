@@ -31,7 +31,7 @@ class Hands {
 
   void look_from(const render::Camera& camera) { camera_ = ViewCamera(camera); }
   void reset() { ++controls_.resets; }
-  void single() { ++controls_.single; }
+  void single() { ++controls_.single_steps; }
   void home() { camera_.home(); }
   void set_window(double width, double height) { window_ = {width, height}; }
   // The steering of a gamepad: sticks fly and turn, shoulders are the flippers.

@@ -136,7 +136,8 @@ void timing_panel(session::LiveSession& session, const PanelFacts& facts, const 
   if (!ImGui::CollapsingHeader("Timing", ImGuiTreeNodeFlags_DefaultOpen)) return;
   text(fmt::format("picture   {:.1f} ms, {:.0f} % size", 1e3 * facts.frame_seconds,
                    100 * facts.picture_scale));
-  text(fmt::format("dynamics  {} a step, {} left out", microseconds(state.step_seconds), state.late));
+  text(
+      fmt::format("dynamics  {} a step, {} left out", microseconds(state.step_seconds), state.dropped_steps));
   const haptics::ServoLoop& servo = session.servo();
   text(fmt::format("touch     {}, wakes {} late (p99)", microseconds(servo.compute().quantile(0.5)),
                    microseconds(servo.wake_up().quantile(0.99))));
@@ -254,9 +255,10 @@ class Pencil {
 
 void draw_marks(Pencil& pencil, const Settings& settings, const session::LiveState& state, double side) {
   constexpr double seconds = 0.25;  // until a mark has faded
-  const std::uint64_t first = state.marks > session::most_marks ? state.marks - session::most_marks : 0;
-  for (std::uint64_t k = first; k < state.marks; ++k) {
-    const session::ContactMark& mark = state.mark[k % session::most_marks];
+  const std::uint64_t first =
+      state.mark_count > session::max_marks ? state.mark_count - session::max_marks : 0;
+  for (std::uint64_t k = first; k < state.mark_count; ++k) {
+    const session::ContactMark& mark = state.marks[k % session::max_marks];
     const double age = state.time - mark.time;
     if (age < 0 || age > seconds) continue;
     const int alpha = static_cast<int>(255 * (1 - age / seconds));

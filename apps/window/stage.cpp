@@ -278,7 +278,7 @@ bool Stage::poll(std::string& message) {
   }
   if (session_) {
     session_->stop();
-    loaded->session->count_from(*session_);
+    loaded->session->continue_counters(*session_);
   }
   if (session_ && loaded->request.goes_on) loaded->session->follow(*session_);
   const bool is_other = !session_ || !loaded->request.goes_on;

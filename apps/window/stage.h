@@ -39,7 +39,7 @@ class FileWatch {
 
 struct LoadRequest {
   scene::Scene scene;
-  session::LiveOptions options;
+  session::LiveSessionOptions options;
   std::shared_ptr<haptics::Device> device;       // the pen's; none: the mouse
   std::optional<scene::SceneSurface> surface;    // when it is known already
   bool goes_on = false;                          // bodies go on where they are

@@ -31,7 +31,7 @@ Vec3 MouseDevice::read() {
   return (position_ / model_.resolution).array().round().matrix() * model_.resolution;
 }
 
-void AudioTap::play(sound::AudioSource* source) {
+void AudioTap::set_source(sound::AudioSource* source) {
   source_.store(source);
   while (busy_.load()) std::this_thread::yield();
 }
@@ -48,7 +48,7 @@ void AudioTap::render(std::span<float> stereo) noexcept {
   for (const float sample : stereo) (void)played_.push(sample);
 }
 
-void AudioTap::take(std::vector<float>& stereo) {
+void AudioTap::drain(std::vector<float>& stereo) {
   while (const float* sample = played_.front()) {
     stereo.push_back(*sample);
     played_.pop();
@@ -86,7 +86,7 @@ scene::PenSettings pen_for(const scene::Scene& scene) {
 }
 
 LiveSession::LiveSession(const scene::Scene& scene, const scene::SceneSurface& surface,
-                         const LiveOptions& options, haptics::Device* device)
+                         const LiveSessionOptions& options, haptics::Device* device)
     : scene_(with_pen(scene)),
       surface_(surface),
       options_(options),
@@ -101,16 +101,16 @@ LiveSession::LiveSession(const scene::Scene& scene, const scene::SceneSurface& s
     device = mouse_.get();
   }
   servo_ = std::make_unique<haptics::ServoLoop>(loop_.pen()->make_servo(), *device);
-  now_.bodies = std::min(loop_.world().count(), most_live_bodies);
+  now_.bodies = std::min(loop_.world().count(), max_live_bodies);
   publish();
 }
 
 Result<std::unique_ptr<LiveSession>> LiveSession::create(const scene::Scene& scene,
                                                          const scene::SceneSurface& surface,
-                                                         const LiveOptions& options,
+                                                         const LiveSessionOptions& options,
                                                          haptics::Device* device) {
-  if (scene.balls.size() + scene.bodies.size() > most_live_bodies)
-    return fail(scene.name, fmt::format("has more than {} bodies", most_live_bodies),
+  if (scene.balls.size() + scene.bodies.size() > max_live_bodies)
+    return fail(scene.name, fmt::format("has more than {} bodies", max_live_bodies),
                 "the window shows no more; intaglio render has no such limit");
   return std::unique_ptr<LiveSession>(new LiveSession(scene, surface, options, device));
 }
@@ -135,7 +135,7 @@ void LiveSession::stop() {
   if (!running_.exchange(false)) return;
   physics_.join();
   servo_->stop();
-  if (tap_ != nullptr) tap_->play(nullptr);
+  if (tap_ != nullptr) tap_->set_source(nullptr);
   baker_ = nullptr;
 }
 
@@ -145,7 +145,7 @@ scene::Scene LiveSession::heard() const {
   return scene;
 }
 
-void LiveSession::control(const Controls& controls) {
+void LiveSession::set_controls(const Controls& controls) {
   controls_.publish(controls);
   if (baker_ == nullptr) return;
   auto voices = baker_->take(ticket_);
@@ -167,11 +167,11 @@ void LiveSession::begin_sound(Result<scene::Voices> voices) {
   live.delay = 2.0 / scene_.physics.rate + 0.004;
   owned_sound_ = std::make_unique<sound::LiveSound>(options, std::move(voices->bodies), live);
   sound_.store(owned_sound_.get(), std::memory_order_release);
-  tap_->play(owned_sound_.get());
+  tap_->set_source(owned_sound_.get());
 }
 
-void LiveSession::lead_pen(const Vec3& tip) {
-  if (mouse_) mouse_->lead(scene_.pen->workspace.to_device(tip));
+void LiveSession::set_pen_target(const Vec3& tip) {
+  if (mouse_) mouse_->set_target(scene_.pen->workspace.to_device(tip));
 }
 
 void LiveSession::set_listener(const sound::Listener& listener) {
@@ -208,12 +208,12 @@ void LiveSession::run() {
     }
     if (controls.paused) {
       backlog = 0;
-      for (; singles_done_ < controls.single; ++singles_done_) step(controls);
+      for (; singles_done_ < controls.single_steps; ++singles_done_) step(controls);
     } else {
-      singles_done_ = controls.single;
+      singles_done_ = controls.single_steps;
       backlog += elapsed * controls.speed;
       if (backlog > patience) {
-        now_.late += std::uint64_t((backlog - dt) / dt);
+        now_.dropped_steps += std::uint64_t((backlog - dt) / dt);
         backlog = dt;
       }
       for (; backlog >= dt && running_.load(std::memory_order_relaxed); backlog -= dt) {
@@ -251,7 +251,7 @@ void LiveSession::exchange_with_pen(double speed) {
 void LiveSession::emit(const ContactEvent& event) {
   if (sound::LiveSound* sound = sound_.load(std::memory_order_acquire)) sound->push(event);
   if (event.phase == ContactPhase::end) return;
-  now_.mark[now_.marks++ % most_marks] = {
+  now_.marks[now_.mark_count++ % max_marks] = {
       event.time, event.body,    event.other, event.phase == ContactPhase::begin, event.point, event.n_g,
       event.n_s,  event.impulse, event.uv};
 }

@@ -36,12 +36,12 @@
 
 namespace intaglio::session {
 
-inline constexpr std::size_t most_live_bodies = 256, most_marks = 64;
+inline constexpr std::size_t max_live_bodies = 256, max_marks = 64;
 
 struct Controls : StepInput {
   bool paused = false;
   double speed = 1;          // simulated seconds a second, 0.01..1
-  std::uint64_t single = 0;  // steps to take while paused, counted since the start
+  std::uint64_t single_steps = 0;  // steps to take while paused, counted since the start
   std::uint64_t resets = 0;  // counted since the start
 };
 
@@ -57,26 +57,26 @@ struct ContactMark {
 struct LiveState {
   double time = 0;          // s, simulated
   std::uint64_t steps = 0;  // physics steps
-  std::uint64_t late = 0;   // steps left out because the machine could not keep up
+  std::uint64_t dropped_steps = 0;  // steps left out because the machine could not keep up
   double step_seconds = 0;  // CPU time of a step, smoothed
   std::size_t bodies = 0;   // balls, then the scene's other bodies
-  std::array<Pose, most_live_bodies> pose;
-  std::uint64_t marks = 0;  // since the start; the newest is at (marks - 1) % most_marks
-  std::array<ContactMark, most_marks> mark;
+  std::array<Pose, max_live_bodies> pose;
+  std::uint64_t mark_count = 0;  // since the start; the newest is at (mark_count - 1) % max_marks
+  std::array<ContactMark, max_marks> marks;
   haptics::ServoReport pen;
 };
 
 // A haptic device led by the mouse: a PHANToM Desktop in a simulated hand that pulls towards where the mouse
 // points. The force holds the hand back, so that the pen stays on the relief.
 //
-// lead() from one thread, read() and write() from the servo thread; none of them waits. Real-time.
+// set_target() from one thread, read() and write() from the servo thread; none of them waits. Real-time.
 class MouseDevice : public haptics::Device {
  public:
   // `start` in the device's workspace, metres.
   MouseDevice(const haptics::DeviceModel& model, const haptics::Hand& hand, const Vec3& start);
 
   // Where the hand pulls the tip, device workspace; it moves there at `speed` m/s at most.
-  void lead(const Vec3& target) { target_.publish(target); }
+  void set_target(const Vec3& target) { target_.publish(target); }
 
   Vec3 read() override;
   void write(const haptics::GuardedForce& force) override { force_ = force.newtons(); }
@@ -94,15 +94,15 @@ class MouseDevice : public haptics::Device {
 // Sits between an audio device and its source: the source can be changed while the device runs, and the
 // played samples can be shown (a scope) and kept (a recording).
 //
-// play() and take() from one thread each, render() from the device's. render() neither allocates nor waits;
-// play() waits until no render() uses the old source.
+// set_source() and drain() from one thread each, render() from the device's. render() neither allocates nor
+// waits; set_source() waits until no render() uses the old source.
 class AudioTap : public sound::AudioSource {
  public:
-  void play(sound::AudioSource* source);
+  void set_source(sound::AudioSource* source);
   void render(std::span<float> stereo) noexcept override;
 
   // Appends what was played since the last call, interleaved; samples older than two seconds are lost.
-  void take(std::vector<float>& stereo);
+  void drain(std::vector<float>& stereo);
 
  private:
   std::atomic<sound::AudioSource*> source_{nullptr};
@@ -110,7 +110,7 @@ class AudioTap : public sound::AudioSource {
   SpscQueue<float> played_{2 * 2 * 48'000};
 };
 
-struct LiveOptions {
+struct LiveSessionOptions {
   // Which senses take the texture; the others take the bare surface.
   bool moves = true, feels = true, hears = true;
   std::filesystem::path model_cache;  // empty: none
@@ -127,14 +127,14 @@ class LiveSession {
   // `device` is the pen's and outlives the session; null: a MouseDevice.
   static Result<std::unique_ptr<LiveSession>> create(const scene::Scene& scene,
                                                      const scene::SceneSurface& surface,
-                                                     const LiveOptions& options,
+                                                     const LiveSessionOptions& options,
                                                      haptics::Device* device = nullptr);
   ~LiveSession();
 
   // Bodies continue where `other`, a stopped session of the same scene, had them.
   void follow(const LiveSession& other) { loop_.world().follow(other.loop_.world()); }
   // Resets and single steps that `other`, a stopped session, has done are not repeated.
-  void count_from(const LiveSession& other) {
+  void continue_counters(const LiveSession& other) {
     singles_done_ = other.singles_done_;
     resets_done_ = other.resets_done_;
   }
@@ -143,18 +143,18 @@ class LiveSession {
   void stop();
 
   // Once per picture: the input of physics from now on.
-  void control(const Controls& controls);
+  void set_controls(const Controls& controls);
   // The newest state. Valid until the next call.
   const LiveState& state() { return state_.fetch(); }
 
   // Where the mouse pulls the pen's tip, world; ignored with another device.
-  void lead_pen(const Vec3& tip);
+  void set_pen_target(const Vec3& tip);
   void set_listener(const sound::Listener& listener);
   void set_gain_db(double gain_db);
 
   const scene::Scene& scene() const { return scene_; }
   const scene::SceneSurface& surface() const { return surface_; }
-  const LiveOptions& options() const { return options_; }
+  const LiveSessionOptions& options() const { return options_; }
   bool is_free(BodyId id) const { return loop_.world().is_free(id); }
   haptics::ServoLoop& servo() { return *servo_; }
   // How late physics steps began.
@@ -165,8 +165,8 @@ class LiveSession {
   std::string take_message();
 
  private:
-  LiveSession(const scene::Scene& scene, const scene::SceneSurface& surface, const LiveOptions& options,
-              haptics::Device* device);
+  LiveSession(const scene::Scene& scene, const scene::SceneSurface& surface,
+              const LiveSessionOptions& options, haptics::Device* device);
 
   void begin_sound(Result<scene::Voices> voices);
   scene::Scene heard() const;
@@ -178,7 +178,7 @@ class LiveSession {
 
   scene::Scene scene_;
   scene::SceneSurface surface_;
-  LiveOptions options_;
+  LiveSessionOptions options_;
   SceneLoop loop_;
   std::unique_ptr<MouseDevice> mouse_;
   std::unique_ptr<haptics::ServoLoop> servo_;

@@ -85,8 +85,8 @@ bool wait_for(LiveSession& session, Wanted&& wanted) {
 LiveState after_steps(LiveSession& session, std::uint64_t steps) {
   Controls controls;
   controls.paused = true;
-  controls.single = steps;
-  session.control(controls);
+  controls.single_steps = steps;
+  session.set_controls(controls);
   session.start(nullptr, nullptr);
   CHECK(wait_for(session, [&](const LiveState& s) { return s.steps == steps; }));
   session.stop();
@@ -96,8 +96,9 @@ LiveState after_steps(LiveSession& session, std::uint64_t steps) {
 // The newest contacts that go on, of one body or of all.
 std::vector<ContactMark> marks_of(const LiveState& state) {
   std::vector<ContactMark> out;
-  for (std::uint64_t k = state.marks - std::min<std::uint64_t>(state.marks, most_marks); k < state.marks; ++k)
-    out.push_back(state.mark[k % most_marks]);
+  for (std::uint64_t k = state.mark_count - std::min<std::uint64_t>(state.mark_count, max_marks);
+       k < state.mark_count; ++k)
+    out.push_back(state.marks[k % max_marks]);
   return out;
 }
 
@@ -129,9 +130,9 @@ position = [-0.2, 0.06, -0.2]
   const auto session = LiveSession::create(scene, surface, {});
   REQUIRE(session);
   const LiveState state = after_steps(**session, std::uint64_t(scene.duration * scene.physics.rate));
-  REQUIRE(state.marks == offline.size());
+  REQUIRE(state.mark_count == offline.size());
   const auto marks = marks_of(state);
-  REQUIRE(marks.size() == most_marks);
+  REQUIRE(marks.size() == max_marks);
   for (std::size_t k = 0; k < marks.size(); ++k) {
     const ContactEvent& event = offline[offline.size() - marks.size() + k];
     CHECK(marks[k].time == event.time);
@@ -180,7 +181,7 @@ path = [[0, 0.1, 0.09, 0.05], [0.8, 0.1, 0.09, 0.05]]
   const auto session = LiveSession::create(scene, surface, {}, &device);
   REQUIRE(session);
   (*session)->start(nullptr, nullptr);
-  CHECK(wait_for(**session, [](const LiveState& s) { return s.pen.touching && s.marks > 100; }));
+  CHECK(wait_for(**session, [](const LiveState& s) { return s.pen.touching && s.mark_count > 100; }));
   (*session)->stop();
   for (const ContactMark& mark : marks_of((*session)->state())) {
     CHECK(mark.body == recording.pen);

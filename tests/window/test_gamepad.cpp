@@ -64,7 +64,7 @@ void take_events(Gamepad& gamepad) {
 }
 
 void touch(session::LiveState& state, bool begins, double impulse) {
-  session::ContactMark& mark = state.mark[state.marks++ % session::most_marks];
+  session::ContactMark& mark = state.marks[state.mark_count++ % session::max_marks];
   mark.begins = begins;
   mark.impulse = {0, impulse, 0};
 }

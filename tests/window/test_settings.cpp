@@ -81,14 +81,14 @@ TEST_CASE("rumble: a harder blow shakes more, old contacts do not, and never bey
   CHECK(rumble_of(state, 0).blow == 0);
   double before = 0;
   for (const double impulse : {1e-3, 1e-2, 0.1, 100.0}) {
-    state.mark[state.marks % session::most_marks].begins = true;
-    state.mark[state.marks++ % session::most_marks].impulse = {0, impulse, 0};
-    const Rumble rumble = rumble_of(state, state.marks - 1);
+    state.marks[state.mark_count % session::max_marks].begins = true;
+    state.marks[state.mark_count++ % session::max_marks].impulse = {0, impulse, 0};
+    const Rumble rumble = rumble_of(state, state.mark_count - 1);
     CHECK(rumble.blow >= before);
     CHECK(rumble.blow <= 1);
     CHECK(rumble.slide == 0);
     before = rumble.blow;
   }
   CHECK(before == 1);
-  CHECK(rumble_of(state, state.marks).blow == 0);
+  CHECK(rumble_of(state, state.mark_count).blow == 0);
 }
