@@ -7,7 +7,7 @@
 #include "core/file.h"
 #include "haptics/haptic_log.h"
 #include "report/html.h"
-#include "report/tracks.h"
+#include "report/report.h"
 #include "session/scene_loop.h"
 
 namespace intaglio::report {

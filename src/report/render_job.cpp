@@ -9,11 +9,11 @@
 #include <thread>
 
 #include "core/file.h"
-#include "render/renderer.h"
-#include "session/recording.h"
 #include "core/progress.h"
+#include "render/renderer.h"
 #include "report/report.h"
 #include "scene/picture.h"
+#include "session/recording.h"
 #include "session/simulation.h"
 #include "session/video.h"
 #include "sound/audio/wav.h"

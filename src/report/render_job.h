@@ -4,8 +4,8 @@
 #include <atomic>
 #include <filesystem>
 
-#include "session/recording.h"
 #include "scene/scene.h"
+#include "session/recording.h"
 
 namespace intaglio::report {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/error.h"
-#include "core/material.h"
 #include "core/event.h"
+#include "core/material.h"
 #include "core/vec.h"
 #include "dynamics/world.h"
 #include "haptics/device.h"

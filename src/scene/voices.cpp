@@ -13,9 +13,9 @@
 #include <thread>
 
 #include "core/hash.h"
+#include "sound/bake/bake.h"
 #include "sound/bake/fem/tet_mesh.h"
 #include "sound/model_file.h"
-#include "sound/bake/bake.h"
 
 namespace intaglio::scene {
 
@@ -93,8 +93,7 @@ class ModelBaker {
     }
     ++voices_.baked;
     // A failed write to the cache is ignored: it only costs time later.
-    if (!options_.cache.empty())
-      (void)sound::write_model(options_.cache / (identity + ".modes"), *baked);
+    if (!options_.cache.empty()) (void)sound::write_model(options_.cache / (identity + ".modes"), *baked);
     return std::make_shared<const sound::ModalModel>(std::move(*baked));
   }
 

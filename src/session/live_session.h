@@ -40,9 +40,9 @@ inline constexpr std::size_t max_live_bodies = 256, max_marks = 64;
 
 struct Controls : StepInput {
   bool paused = false;
-  double speed = 1;          // simulated seconds a second, 0.01..1
+  double speed = 1;                // simulated seconds a second, 0.01..1
   std::uint64_t single_steps = 0;  // steps to take while paused, counted since the start
-  std::uint64_t resets = 0;  // counted since the start
+  std::uint64_t resets = 0;        // counted since the start
 };
 
 // One contact of one step, drawn until it fades.
@@ -55,11 +55,11 @@ struct ContactMark {
 };
 
 struct LiveState {
-  double time = 0;          // s, simulated
-  std::uint64_t steps = 0;  // physics steps
+  double time = 0;                  // s, simulated
+  std::uint64_t steps = 0;          // physics steps
   std::uint64_t dropped_steps = 0;  // steps left out because the machine could not keep up
-  double step_seconds = 0;  // CPU time of a step, smoothed
-  std::size_t bodies = 0;   // balls, then the scene's other bodies
+  double step_seconds = 0;          // CPU time of a step, smoothed
+  std::size_t bodies = 0;           // balls, then the scene's other bodies
   std::array<Pose, max_live_bodies> pose;
   std::uint64_t mark_count = 0;  // since the start; the newest is at (mark_count - 1) % max_marks
   std::array<ContactMark, max_marks> marks;

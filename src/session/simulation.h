@@ -9,12 +9,12 @@
 #include <memory>
 #include <vector>
 
-#include "core/event.h"
 #include "core/error.h"
+#include "core/event.h"
 #include "core/hash.h"
+#include "scene/voices.h"
 #include "session/recording.h"
 #include "session/scene_loop.h"
-#include "scene/voices.h"
 #include "sound/synthesizer.h"
 
 namespace intaglio::session {

@@ -4,9 +4,9 @@
 #include <chrono>
 #include <thread>
 
+#include "scene/picture.h"
 #include "scene/scene_reader.h"
 #include "session/live_session.h"
-#include "scene/picture.h"
 #include "sound/audio/devices.h"
 
 using namespace intaglio;

@@ -11,9 +11,8 @@
 #include "report/agreement.h"
 #include "report/contacts.h"
 #include "report/html.h"
-#include "report/tracks.h"
-#include "surface/recipes/builtin.h"
 #include "surface/import.h"
+#include "surface/recipes/builtin.h"
 
 using namespace intaglio;
 using namespace intaglio::scene;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <string>
 
-#include "scene/surfaces.h"
 #include "scene/scene.h"
+#include "scene/surfaces.h"
 #include "tests/source_folder.h"
 
 using namespace intaglio;
@@ -136,8 +136,7 @@ TEST_CASE("unusable textures and bases are errors at the scene's line, with file
   }
 }
 
-TEST_CASE(
-    "a texture too fine for contact on its base is an error; a fine one gets a warning") {
+TEST_CASE("a texture too fine for contact on its base is an error; a fine one gets a warning") {
   const auto made = [](int repeat, double depth) {
     const auto scene =
         parse_scene(fmt::format("[[ball]]\nradius = 0.045\n[[ground]]\ntexture = \"pebbles\"\ndepth = {}\n"
