@@ -124,6 +124,11 @@ struct Scene {
   VideoSettings video;
   CameraSettings camera;
   Vec3 light = Vec3(-0.55, 0.75, -0.35);  // towards the light
+
+  // Bodies are numbered from 1: balls, then the other bodies, then the pen.
+  static BodyId ball_id(std::size_t k) { return BodyId(k + 1); }
+  BodyId body_id(std::size_t k) const { return BodyId(balls.size() + k + 1); }
+  BodyId pen_id() const { return body_id(bodies.size()); }
 };
 
 // Rotation about X, then Y, then Z, world axes.

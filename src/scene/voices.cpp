@@ -185,7 +185,7 @@ void add_bodies(ModelBaker& baker, const Scene& scene, const SceneSurface& surfa
   for (std::size_t k = 0; k < scene.balls.size(); ++k) {
     const BallSettings& ball = scene.balls[k];
     sound::SoundBody body;
-    body.id = BodyId(k + 1);
+    body.id = Scene::ball_id(k);
     body.radius_of_curvature = ball.radius;
     const std::string name = scene.balls.size() == 1 ? "ball" : fmt::format("ball {}", k + 1);
     baker.add(
@@ -195,7 +195,7 @@ void add_bodies(ModelBaker& baker, const Scene& scene, const SceneSurface& surfa
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
     const BodySettings& from = scene.bodies[k];
     sound::SoundBody body;
-    body.id = BodyId(scene.balls.size() + k + 1);
+    body.id = scene.body_id(k);
     body.is_fixed = from.body.motion != dynamics::Motion::free;
     body.rest_pose = from.body.pose;
     if (k < surface.reliefs.size() && scene.surface.representation != Representation::flat)
@@ -217,7 +217,7 @@ Result<Voices> bake_voices(const Scene& scene, const SceneSurface& surface, cons
   add_bodies(baker, scene, surface);
   if (scene.pen) {
     sound::SoundBody body;
-    body.id = BodyId(scene.balls.size() + scene.bodies.size() + 1);
+    body.id = scene.pen_id();
     body.radius_of_curvature = 0.001;  // of the tip, not of the shaft
     baker.add(
         body, "pen", fmt::format("pen {} {}", scene.pen->radius, scene.pen->length),

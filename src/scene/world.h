@@ -1,7 +1,7 @@
 // The physics world of a scene, with flippers on keys, bumpers, and bodies that return to their start when
 // they have fallen off. One thread at a time.
 //
-// Bodies are numbered balls first, then the scene's other bodies, then the pen (which is not in the world).
+// Bodies are numbered as in Scene; the pen is not in the world.
 #pragma once
 
 #include <vector>

@@ -43,7 +43,7 @@ haptics::ServoOptions pen_options(const scene::Scene& scene, const Material& flo
 }
 
 PenLink::PenLink(const scene::Scene& scene, const scene::SceneSurface& surface, Representation felt)
-    : id_(BodyId(scene.balls.size() + scene.bodies.size() + 1)),
+    : id_(scene.pen_id()),
       length_(scene.pen->length),
       up_(scene.pen->direction.normalized()),
       options_(pen_options(scene, surface.material)) {
