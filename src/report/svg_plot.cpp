@@ -324,14 +324,4 @@ Rgb stone(double t) {
   return colour;
 }
 
-double luminance(const Rgb& colour) {
-  static constexpr Linear weight = {0.2126, 0.7152, 0.0722};
-  double sum = 0;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double s = colour[c] / 255.0;
-    sum += weight[c] * (s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
-  }
-  return sum;
-}
-
 }  // namespace intaglio::report

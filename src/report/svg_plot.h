@@ -107,7 +107,4 @@ Rgb magma(double t);
 // Dark brown to grey-brown, for height maps, t in 0..1 (clamped); dark enough for bright overlays.
 Rgb stone(double t);
 
-// WCAG relative luminance, 0..1.
-double luminance(const Rgb& colour);
-
 }  // namespace intaglio::report

@@ -15,9 +15,7 @@
 #include "tests/skipped.h"
 #include "tests/source_folder.h"
 
-namespace intaglio::session {
-
-using namespace scene;
+namespace intaglio::scene {
 
 namespace {
 
@@ -152,4 +150,4 @@ TEST_CASE("flipped rows, green or depth change the picture visibly") {
   }
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::scene

@@ -9,7 +9,6 @@
 #include <vector>
 
 using namespace intaglio;
-using namespace intaglio::scene;
 using namespace intaglio::session;
 
 namespace {

@@ -3,15 +3,15 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "core/portable_math.h"
+#include "report/svg_plot.h"
 
 using namespace intaglio;
-using namespace intaglio::scene;
 using namespace intaglio::report;
-using namespace intaglio::session;
 
 namespace {
 
@@ -21,6 +21,17 @@ std::vector<float> tone(double hz, double sample_rate, std::size_t samples) {
     audio[k] = float(0.5 * std::sin(2 * std::numbers::pi * hz * double(k) / sample_rate));
   }
   return audio;
+}
+
+// WCAG relative luminance, 0..1.
+double luminance(const Rgb& colour) {
+  static constexpr std::array<double, 3> weight = {0.2126, 0.7152, 0.0722};
+  double sum = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double s = colour[c] / 255.0;
+    sum += weight[c] * (s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
+  }
+  return sum;
 }
 
 }  // namespace

@@ -16,7 +16,6 @@
 
 using namespace intaglio;
 using namespace intaglio::scene;
-using namespace intaglio::session;
 namespace fs = std::filesystem;
 
 namespace {
