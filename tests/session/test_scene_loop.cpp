@@ -296,7 +296,8 @@ TEST_CASE("a push acts at the point where it is felt: through the centre as draw
   world.push(1, {0.1, 0, 0.2}, world.drawn_pose(1).position);
   CHECK((world.angular_velocity(1) - spin).norm() < 1e-4);
   CHECK((world.velocity(1) - velocity).norm() > 0.01);
-  // At the drawn top it turns the ball about its own centre; the simulated ball leans by the map's mean slope.
+  // At the drawn top it turns the ball about its own centre; the simulated ball leans by the map's mean
+  // slope.
   const double mass = scene.balls[0].mass();
   world.push(1, {0.1, 0, 0}, world.drawn_pose(1).position + Vec3(0, 0.05, 0));
   const double expected = 0.1 * 0.05 / (0.4 * mass * 0.05 * 0.05);
