@@ -24,6 +24,7 @@
 #include "bench/brick.h"
 #include "core/portable_math.h"
 #include "dynamics/textured_shape.h"
+#include "intaglio/representation.h"
 #include "surface/closest.h"
 
 using namespace intaglio;

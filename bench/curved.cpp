@@ -21,8 +21,8 @@
 #include "core/portable_math.h"
 #include "dynamics/textured_shape.h"
 #include "dynamics/world.h"
-#include "mesh/triangle_mesh.h"
 #include "mesh/relief_closest.h"
+#include "mesh/triangle_mesh.h"
 
 using namespace intaglio;
 using bench::cpu_seconds;

@@ -22,6 +22,7 @@
 #include "bench/triangle_proxy.h"
 #include "core/portable_math.h"
 #include "haptics/servo.h"
+#include "intaglio/representation.h"
 #include "tests/haptics/closed_loops.h"
 
 using namespace intaglio;

@@ -18,6 +18,7 @@
 
 #include "bench/arguments.h"
 #include "bench/brick.h"
+#include "intaglio/representation.h"
 #include "render/renderer.h"
 
 using namespace intaglio;

@@ -23,9 +23,9 @@
 #include "bench/brick.h"
 #include "core/portable_math.h"
 #include "surface/closest.h"
-#include "surface/surface.h"
 #include "surface/import.h"
 #include "surface/ray.h"
+#include "surface/surface.h"
 
 using namespace intaglio;
 using namespace intaglio::surface;

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "dynamics/textured_shape.h"
-#include "surface/import.h"
 #include "mesh/triangle_mesh.h"
+#include "surface/import.h"
 
 using namespace intaglio::surface;
 

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include "core/file.h"
+#include "mesh/triangle_mesh.h"
 #include "render/renderer.h"
 #include "surface/import.h"
-#include "mesh/triangle_mesh.h"
 
 using namespace intaglio;
 

@@ -29,6 +29,13 @@ ALLOWED = {
     "apps/command": "core surface mesh contact dynamics haptics haptics/vrpn sound sound/bake sound/audio render scene session report window",
     "apps/netgen": "",
 }
+# The library that defines what a public header, include/intaglio/<name>.h, declares. Public headers include only public ones of
+# libraries that theirs may include, the standard library and the few in PUBLIC_LIBRARIES.
+PUBLIC = {
+    "vec": "core", "error": "core", "event": "core", "representation": "core", "material": "core", "image": "core",
+    "contact_point": "contact", "shape": "contact",
+}
+PUBLIC_LIBRARIES = {"vec": ("Eigen/", "arm_neon.h"), "error": ("tl/",)}
 FOLDERS = sorted(ALLOWED, key=len, reverse=True)
 
 # Headers that expose texels or decode images; only surface/ may include them.
@@ -46,17 +53,21 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
 
 def folder_of(path: str) -> str | None:
-    """The library whose folder holds `path`, itself or in a folder below that is no library of its own."""
+    """The library that `path` belongs to: by its folder, itself or one above, or of a public header by PUBLIC."""
+    if path.startswith("include/"):
+        library = PUBLIC.get(pathlib.Path(path).stem)
+        return library and ("apps/" if library == "window" else "src/") + library
     return next((folder for folder in FOLDERS if path.startswith(folder + "/")), None)
 
 
 def main() -> int:
     violations = []
-    for path in sorted(p for root in ("src", "apps") for p in (ROOT / root).rglob("*") if p.suffix in {".h", ".cpp"}):
+    for path in sorted(p for root in ("include", "src", "apps") for p in (ROOT / root).rglob("*") if p.suffix in {".h", ".cpp"}):
         name = path.relative_to(ROOT).as_posix()
         folder = folder_of(name)
+        is_public = name.startswith("include/")
         if folder is None:
-            violations.append(f"{name}: its folder is in no library (tools/check_dependencies.py lists them)")
+            violations.append(f"{name}: it belongs to no library (tools/check_dependencies.py lists them)")
             continue
         allowed = {("apps/" if target == "window" else "src/") + target for target in ALLOWED[folder].split()} | {folder}
         for number, line in enumerate(path.read_text().splitlines(), 1):
@@ -65,16 +76,22 @@ def main() -> int:
                 continue
             where, header = f"{name}:{number}", match.group(2)
             if match.group(1) == '"':
-                found = next((root for root in ("src/", "apps/") if (ROOT / root / header).exists()), None)
+                found = next((root for root in ("include/", "src/", "apps/") if (ROOT / root / header).exists()), None)
                 if found is None:
                     if not header.endswith("_generated.h") and not header.startswith("intaglio_"):
                         violations.append(f"{where}: no such header {header}")
                     continue
                 target = folder_of(found + header)
+                if is_public and found != "include/":
+                    violations.append(f"{where}: a public header may not include {header}")
                 if target not in allowed:
                     violations.append(f"{where}: {folder}/ may not include {header}")
                 if TEXELS_ONLY_IN_SURFACE.match(header) and folder != "src/surface":
                     violations.append(f"{where}: only surface/ reads texels; it may not include {header}")
+            elif is_public:
+                if "/" in header or header.endswith(".h"):
+                    if not header.startswith(PUBLIC_LIBRARIES.get(path.stem, ()) or "\0"):
+                        violations.append(f"{where}: a public header may not include <{header}>")
             else:
                 for library, folders in LIBRARIES.items():
                     if header.startswith(library) and folder not in folders.split():

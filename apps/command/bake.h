@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "command/verb.h"
-#include "core/material.h"
-#include "sound/modal_model.h"
+#include "intaglio/material.h"
 #include "sound/bake/bake.h"
+#include "sound/modal_model.h"
 
 namespace intaglio::app {
 

@@ -10,11 +10,12 @@
 #include <memory>
 #include <thread>
 
-#include "core/error.h"
+#include "core/text.h"
 #include "haptics/vrpn/client.h"
 #include "haptics/vrpn/force.h"
 #include "haptics/vrpn/payloads.h"
 #include "haptics/vrpn/server.h"
+#include "intaglio/error.h"
 
 namespace intaglio::app {
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "command/verb.h"
+#include "core/text.h"
 
 namespace intaglio::app {
 

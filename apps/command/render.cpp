@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "command/verb.h"
+#include "intaglio/representation.h"
 #include "report/render_job.h"
 
 namespace intaglio::app {

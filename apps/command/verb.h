@@ -8,7 +8,7 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 
-#include "core/error.h"
+#include "intaglio/error.h"
 
 namespace intaglio::app {
 

@@ -6,13 +6,15 @@
 #include <cmath>
 #include <ctime>
 #include <deque>
+#include <fmt/format.h>
 
+#include "core/clock.h"
 #include "core/file.h"
 #include "window/hands.h"
 #include "window/panels.h"
-#include "window/sdl_window.h"
 #include "window/recorder.h"
 #include "window/script.h"
+#include "window/sdl_window.h"
 #include "window/stage.h"
 
 namespace intaglio::window {

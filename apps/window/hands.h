@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/vec.h"
+#include "intaglio/vec.h"
 #include "session/live_session.h"
 #include "window/settings.h"
 #include "window/view_camera.h"

@@ -6,6 +6,7 @@
 #include <array>
 #include <cfloat>
 #include <cmath>
+#include <fmt/format.h>
 
 namespace intaglio::window {
 

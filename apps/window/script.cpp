@@ -6,10 +6,12 @@
 #include <array>
 #include <cmath>
 #include <sstream>
+#include <fmt/format.h>
 
-#include "core/error.h"
 #include "core/file.h"
+#include "core/text.h"
 #include "haptics/vrpn/client.h"
+#include "intaglio/error.h"
 #include "window/settings.h"
 
 namespace intaglio::window {

@@ -23,8 +23,8 @@
 #include <string>
 #include <vector>
 
-#include "core/error.h"
-#include "core/vec.h"
+#include "intaglio/error.h"
+#include "intaglio/vec.h"
 #include "window/sdl_window.h"
 #include "window/settings.h"
 

@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "core/error.h"
-#include "core/image.h"
+#include "intaglio/error.h"
+#include "intaglio/image.h"
 
 struct SDL_Window;
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <fmt/format.h>
 
 #include "core/file.h"
+#include "core/text.h"
 #include "core/toml.h"
 
 namespace intaglio::window {

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <string_view>
 
-#include "core/error.h"
 #include "core/file.h"
+#include "core/text.h"
 #include "haptics/vrpn/client.h"
+#include "intaglio/error.h"
+#include "intaglio/representation.h"
 
 namespace intaglio::window {
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <fmt/format.h>
 
 #include "contact/polyhedron.h"
 

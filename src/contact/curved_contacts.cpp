@@ -44,10 +44,16 @@ void report(const surface::ReliefMesh& relief, Candidates& found, ContactSet& se
   const std::size_t count = found.choose(chosen);
   for (std::size_t k = 0; k < count; ++k) {
     const Candidate& c = *chosen[k];
-    ContactPoint out{c.point, c.normal, c.normal, c.distance, Vec2::Zero(), c.feature};
+    ContactPoint out;
+    out.point = c.point;
+    out.normal = out.n_s = c.normal;
+    out.distance = c.distance;
+    out.feature = c.feature;
     const int triangle = static_cast<int>(c.feature & ((std::uint64_t{1} << triangle_bits) - 1));
     if (const auto base = relief.under(triangle, c.point)) {
       out.uv = base->uv;
+      out.triangle = triangle;
+      out.weights = base->weights;
       out.n_s = base->direction_to_world(relief.surface().normal(base->uv));
     }
     set.points[set.count++] = out;

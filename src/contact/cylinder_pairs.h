@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "core/portable_math.h"
-#include "core/vec.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::contact {
 

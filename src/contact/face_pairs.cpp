@@ -2,9 +2,9 @@
 #include <cmath>
 #include <limits>
 
-#include "contact/pairs.h"
-#include "contact/leaf_walk.h"
 #include "contact/face_pairs.h"
+#include "contact/leaf_walk.h"
+#include "contact/pairs.h"
 
 namespace intaglio::contact {
 

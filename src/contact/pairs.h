@@ -17,7 +17,7 @@
 #include <span>
 
 #include "contact/query.h"
-#include "core/vec.h"
+#include "intaglio/vec.h"
 #include "surface/surface.h"
 
 namespace intaglio::contact {

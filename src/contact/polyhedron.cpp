@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <fmt/format.h>
 
 namespace intaglio::contact {
 

@@ -13,14 +13,11 @@
 #include <utility>
 #include <vector>
 
-#include "core/error.h"
-#include "core/vec.h"
+#include "intaglio/error.h"
+#include "intaglio/shape.h"
+#include "intaglio/vec.h"
 
-namespace intaglio::contact {
-
-// Bullet and others advise some tens of points for a hull; what a query must look at is bounded by this.
-inline constexpr std::size_t max_hull_points = 256;
-inline constexpr std::size_t max_mesh_triangles = 100'000;
+namespace intaglio {
 
 struct Polyhedron {
   struct Face {
@@ -41,6 +38,14 @@ struct Polyhedron {
   // The vertices around vertex k, neighbours[first_neighbour[k]] up to first_neighbour[k + 1].
   std::vector<int> neighbours, first_neighbour;
 };
+
+}  // namespace intaglio
+
+namespace intaglio::contact {
+
+using intaglio::max_hull_points;
+using intaglio::max_mesh_triangles;
+using intaglio::Polyhedron;
 
 // The convex hull of points: faces that share a plane are one face. Errors: fewer than four points that are
 // not in one plane, numbers that are not finite, more than max_hull_points corners. Cost: milliseconds.

@@ -5,7 +5,7 @@
 
 #include "core/portable_math.h"
 
-namespace intaglio::contact {
+namespace intaglio {
 
 namespace {
 
@@ -45,7 +45,7 @@ MassProperties round_the_y_axis(double volume, double across, double along) {
 }
 
 MassProperties of_tetrahedra(const Polyhedron& form) {
-  EnclosedMass sum;
+  contact::EnclosedMass sum;
   for (const Polyhedron::Face& face : form.faces) {
     const auto corner = [&](int k) -> const Vec3& {
       return form.vertices[std::size_t(form.loop[std::size_t(face.first + k)])];
@@ -105,6 +105,20 @@ struct Properties {
 
 }  // namespace
 
+MassProperties mass_properties(const Shape& shape) {
+  return std::visit(Properties{}, shape);
+}
+
+Result<ConvexHull> make_hull(std::span<const Vec3> points) {
+  return contact::convex_hull(points).map([](auto form) { return ConvexHull{std::move(form)}; });
+}
+
+Result<Mesh> make_mesh(std::span<const Vec3> vertices, std::span<const std::array<int, 3>> triangles) {
+  return contact::closed_mesh(vertices, triangles).map([](auto form) { return Mesh{std::move(form)}; });
+}
+
+namespace contact {
+
 void EnclosedMass::add(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 sum = a + b + c;
   const double v = a.dot(b.cross(c)) / 6;
@@ -119,8 +133,6 @@ MassProperties EnclosedMass::properties() const {
   return {volume_, centre, about.trace() * Mat3::Identity() - about};
 }
 
-MassProperties mass_properties(const Shape& shape) {
-  return std::visit(Properties{}, shape);
-}
+}  // namespace contact
 
-}  // namespace intaglio::contact
+}  // namespace intaglio

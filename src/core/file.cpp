@@ -1,4 +1,5 @@
 #include "core/file.h"
+#include "core/text.h"
 
 #include <fcntl.h>
 #include <sys/random.h>
@@ -11,6 +12,7 @@
 #include <cstring>
 #include <memory>
 #include <system_error>
+#include <fmt/format.h>
 
 namespace intaglio {
 

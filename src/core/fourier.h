@@ -1,10 +1,10 @@
 // Discrete Fourier transforms of any length, of float or double, with bits that are the same everywhere:
-// Eigen's butterflies, whose roots of unity come from core/elementary.h instead of libm.
+// Eigen's butterflies, whose roots of unity come from core/portable_math.h instead of libm.
 //
 // Not for real time. One object is one length and direction; not thread-safe.
 #pragma once
 
-#include "core/eigen.h"
+#include "intaglio/vec.h"
 //
 #include <complex>
 #include <cstdint>

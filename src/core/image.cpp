@@ -1,4 +1,4 @@
-#include "core/image.h"
+#include "intaglio/image.h"
 
 #include <spng.h>
 

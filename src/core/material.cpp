@@ -1,7 +1,9 @@
-#include "core/material.h"
+#include "core/text.h"
+#include "intaglio/material.h"
 
 #include <array>
 #include <vector>
+#include <fmt/format.h>
 
 namespace intaglio {
 

@@ -1,4 +1,5 @@
 #include "core/process.h"
+#include "core/clock.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -9,6 +10,7 @@
 #include <chrono>
 #include <cstring>
 #include <thread>
+#include <fmt/format.h>
 
 extern char** environ;
 

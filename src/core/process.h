@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/error.h"
+#include "intaglio/error.h"
 
 namespace intaglio {
 

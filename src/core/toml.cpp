@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fmt/format.h>
 
 #include "core/file.h"
+#include "core/text.h"
 
 namespace intaglio {
 

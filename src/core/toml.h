@@ -3,7 +3,7 @@
 // are harmless, so that a scene reads as a plain list of its keys.
 #pragma once
 
-#include "core/material.h"
+#include "intaglio/material.h"
 
 #include <functional>
 #include <optional>
@@ -12,8 +12,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/error.h"
-#include "core/vec.h"
+#include "intaglio/error.h"
+#include "intaglio/vec.h"
 
 #define TOML_HEADER_ONLY 1
 #define TOML_EXCEPTIONS 0

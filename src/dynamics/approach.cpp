@@ -4,8 +4,8 @@
 #include <cmath>
 #include <tuple>
 
-#include "core/vec.h"
 #include "dynamics/bullet_shape.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::dynamics {
 

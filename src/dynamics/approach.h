@@ -11,8 +11,8 @@
 #include <optional>
 
 #include "contact/contact_point.h"
-#include "core/vec.h"
 #include "dynamics/textured_shape.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::dynamics {
 

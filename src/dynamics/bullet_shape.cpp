@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "core/portable_math.h"
-#include "core/vec.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::dynamics {
 

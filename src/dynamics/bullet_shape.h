@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "contact/shape.h"
-#include "core/vec.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::dynamics {
 

@@ -1,7 +1,8 @@
 // How contacts with a texture are found: what both the world and the Bullet shape can be told.
 #pragma once
 
-#include "core/event.h"
+#include "intaglio/event.h"
+#include "intaglio/representation.h"
 
 namespace intaglio::dynamics {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "contact/surface_contacts.h"
-#include "core/vec.h"
+#include "intaglio/vec.h"
 #include "surface/closest.h"
 
 namespace intaglio::dynamics {
@@ -17,7 +17,7 @@ double relief_gap(const surface::Surface& relief, const contact::Shape& shape, c
   const auto nearest = closest_point(relief, relief.placement().to_local(pose.position));
   if (!nearest) return 0;
   const contact::ContactSet set =
-      relief_contacts(relief, shape, pose, std::max(nearest->distance, 0.0) + 1e-6);
+      contact::relief_contacts(relief, shape, pose, std::max(nearest->distance, 0.0) + 1e-6);
   // Overlap is small or a mistake: nothing is drawn deeper than by a hundredth of its size.
   const double reach = bounding_radius(shape);
   return set.count > 0 ? std::max(set.points[0].distance, -0.01 * reach) : nearest->distance - reach;
@@ -25,7 +25,7 @@ double relief_gap(const surface::Surface& relief, const contact::Shape& shape, c
 
 double flat_gap(const surface::Surface& map, const contact::Shape& shape, const Pose& pose) {
   const double height = map.placement().to_local(pose.position).z();
-  const contact::ContactSet set = flat_contacts(map, shape, pose, std::max(height, 0.0) + 1e-6);
+  const contact::ContactSet set = contact::flat_contacts(map, shape, pose, std::max(height, 0.0) + 1e-6);
   return set.count > 0 ? set.points[0].distance : height - bounding_radius(shape);
 }
 

@@ -8,6 +8,7 @@
 #include "contact/relief_relief.h"
 #include "contact/surface_contacts.h"
 #include "dynamics/bullet_shape.h"
+#include "intaglio/representation.h"
 #include "surface/fuse.h"
 
 namespace intaglio::dynamics {
@@ -101,11 +102,11 @@ contact::ContactSet TexturedShape::contacts(const contact::Shape& body, const Po
 
 contact::ContactSet TexturedShape::all_contacts(const contact::Shape& body, const Pose& pose,
                                                 double margin) const {
-  if (options_.representation == Representation::flat) return flat_contacts(*surface_, body, pose, margin);
+  if (options_.representation == Representation::flat) return contact::flat_contacts(*surface_, body, pose, margin);
   if (options_.representation == Representation::normal && options_.normal_method == NormalMethod::literal)
-    return normal_map_contacts(*surface_, body, pose, margin);
-  return options_.method == ContactMethod::closest ? relief_contacts(*relief_, body, pose, margin)
-                                                   : directional_contacts(*relief_, body, pose, margin);
+    return contact::normal_map_contacts(*surface_, body, pose, margin);
+  return options_.method == ContactMethod::closest ? contact::relief_contacts(*relief_, body, pose, margin)
+                                                   : contact::directional_contacts(*relief_, body, pose, margin);
 }
 
 void TexturedShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const {
@@ -167,7 +168,7 @@ CurvedShape::CurvedShape(surface::ReliefMesh relief, double thickness)
 }
 
 contact::ContactSet CurvedShape::contacts(const contact::Shape& body, const Pose& pose, double margin) const {
-  return within_thickness(curved_contacts(relief_, body, pose, margin));
+  return within_thickness(contact::curved_contacts(relief_, body, pose, margin));
 }
 
 contact::MassProperties CurvedShape::enclosed() const {

@@ -11,6 +11,7 @@
 #include "contact/contact_point.h"
 #include "contact/shape.h"
 #include "dynamics/contact_options.h"
+#include "intaglio/representation.h"
 #include "mesh/relief_mesh.h"
 #include "surface/surface.h"
 

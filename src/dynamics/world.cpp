@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/vec.h"
 #include "dynamics/approach.h"
 #include "dynamics/world_state.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::dynamics {
 

@@ -16,9 +16,10 @@
 
 #include "contact/contact_point.h"
 #include "contact/shape.h"
-#include "core/event.h"
-#include "core/material.h"
 #include "dynamics/contact_options.h"
+#include "intaglio/event.h"
+#include "intaglio/material.h"
+#include "intaglio/representation.h"
 #include "mesh/relief_mesh.h"
 #include "surface/surface.h"
 

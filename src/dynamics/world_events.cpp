@@ -6,6 +6,7 @@
 #include "contact/contact_point.h"
 #include "dynamics/approach.h"
 #include "dynamics/world_state.h"
+#include "intaglio/representation.h"
 
 namespace intaglio::dynamics {
 

@@ -6,9 +6,10 @@
 #include <numbers>
 
 #include "contact/shape.h"
-#include "core/eigen.h"
 #include "dynamics/bullet_shape.h"
 #include "dynamics/textured_shape.h"
+#include "intaglio/representation.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::dynamics {
 

@@ -12,6 +12,7 @@
 #include "dynamics/drawn.h"
 #include "dynamics/textured_shape.h"
 #include "dynamics/world.h"
+#include "intaglio/representation.h"
 
 namespace intaglio::dynamics {
 

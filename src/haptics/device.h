@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "core/vec.h"
 #include "haptics/guard.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::haptics {
 

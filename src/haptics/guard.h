@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-#include "core/vec.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::haptics {
 

@@ -14,9 +14,9 @@
 #include <string_view>
 #include <vector>
 
-#include "core/error.h"
 #include "haptics/device.h"
 #include "haptics/servo.h"
+#include "intaglio/error.h"
 
 namespace intaglio::haptics {
 

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 
-#include "core/event.h"
-#include "core/vec.h"
+#include "intaglio/event.h"
+#include "intaglio/representation.h"
+#include "intaglio/vec.h"
 #include "surface/surface.h"
 
 namespace intaglio::haptics {

@@ -15,8 +15,8 @@
 #include <optional>
 #include <string>
 
-#include "core/material.h"
-#include "core/vec.h"
+#include "intaglio/material.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::haptics {
 

@@ -8,10 +8,10 @@
 #include <array>
 #include <cstddef>
 
-#include "core/event.h"
-#include "core/vec.h"
 #include "haptics/guard.h"
 #include "haptics/proxy.h"
+#include "intaglio/event.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::haptics {
 

@@ -1,4 +1,5 @@
 #include "haptics/proxy.h"
+#include "intaglio/representation.h"
 
 #include <algorithm>
 #include <cmath>

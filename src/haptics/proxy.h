@@ -9,7 +9,8 @@
 #include <limits>
 #include <memory>
 
-#include "core/event.h"
+#include "intaglio/event.h"
+#include "intaglio/representation.h"
 #include "mesh/mesh_placement.h"
 #include "surface/surface.h"
 

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "core/portable_math.h"
+#include "intaglio/representation.h"
 
 namespace intaglio::haptics {
 

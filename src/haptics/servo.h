@@ -14,13 +14,14 @@
 #include <limits>
 #include <memory>
 
-#include "core/event.h"
 #include "haptics/device.h"
-#include "haptics/held_plane.h"
 #include "haptics/guard.h"
+#include "haptics/held_plane.h"
 #include "haptics/passivity.h"
 #include "haptics/pen.h"
 #include "haptics/proxy.h"
+#include "intaglio/event.h"
+#include "intaglio/representation.h"
 #include "surface/surface.h"
 
 namespace intaglio::haptics {

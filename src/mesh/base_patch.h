@@ -14,7 +14,7 @@
 #include <array>
 #include <optional>
 
-#include "core/vec.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::surface {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <fmt/format.h>
 
 #include "mesh/gltf_json.h"
 #include "mesh/mesh_file.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <fmt/format.h>
 
 namespace intaglio::surface {
 

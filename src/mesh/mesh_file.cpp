@@ -7,6 +7,7 @@
 #include <cstring>
 #include <optional>
 #include <unordered_map>
+#include <fmt/format.h>
 
 #include "core/file.h"
 

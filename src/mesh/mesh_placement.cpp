@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <utility>
+#include <fmt/format.h>
 
 #include "core/portable_math.h"
 #include "mesh/base_patch.h"

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "core/vec.h"
+#include "intaglio/vec.h"
 #include "mesh/mesh_placement.h"
 #include "mesh/relief_piece.h"
 #include "mesh/triangle_search.h"

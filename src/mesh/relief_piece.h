@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/vec.h"
+#include "intaglio/vec.h"
 #include "mesh/triangle_mesh.h"
 #include "surface/surface.h"
 

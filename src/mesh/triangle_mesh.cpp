@@ -7,6 +7,7 @@
 #include <numbers>
 #include <numeric>
 #include <tuple>
+#include <fmt/format.h>
 
 #include "core/portable_math.h"
 

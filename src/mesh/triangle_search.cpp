@@ -8,6 +8,7 @@
 #include <numeric>
 #include <tuple>
 #include <vector>
+#include <fmt/format.h>
 
 #include "mesh/triangle_mesh.h"
 

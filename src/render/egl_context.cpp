@@ -4,6 +4,7 @@
 #include <epoxy/gl.h>
 
 #include <utility>
+#include <fmt/format.h>
 
 namespace intaglio::render {
 

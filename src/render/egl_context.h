@@ -9,7 +9,7 @@
 
 #include <string>
 
-#include "core/error.h"
+#include "intaglio/error.h"
 
 namespace intaglio::render {
 

@@ -6,8 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "core/event.h"
-#include "core/vec.h"
+#include "intaglio/event.h"
+#include "intaglio/representation.h"
+#include "intaglio/vec.h"
 #include "render/mesh.h"
 
 namespace intaglio::render {

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cstddef>
 #include <vector>
+#include <fmt/format.h>
 
 namespace intaglio::render::gl {
 

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/error.h"
+#include "intaglio/error.h"
 #include "render/mesh.h"
 
 namespace intaglio::render::gl {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <fmt/format.h>
 
 namespace intaglio::render {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/error.h"
+#include "intaglio/error.h"
 #include "mesh/triangle_mesh.h"
 #include "surface/surface.h"
 

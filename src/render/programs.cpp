@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <fmt/format.h>
 
 #include "core/file.h"
-#include "core/vec.h"
+#include "intaglio/vec.h"
 #include "intaglio_shaders.h"
 #include "render/mesh.h"
 #include "render/surface_textures.h"

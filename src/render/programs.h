@@ -8,7 +8,7 @@
 #include <map>
 #include <string>
 
-#include "core/error.h"
+#include "intaglio/error.h"
 #include "render/frame_scene.h"
 #include "render/gl.h"
 #include "render/renderer.h"

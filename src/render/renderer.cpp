@@ -5,11 +5,13 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <fmt/format.h>
 
+#include "intaglio/representation.h"
 #include "render/egl_context.h"
-#include "render/programs.h"
 #include "render/gl.h"
 #include "render/mesh.h"
+#include "render/programs.h"
 #include "render/surface_textures.h"
 
 namespace intaglio::render {

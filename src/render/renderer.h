@@ -18,10 +18,10 @@
 #include <string>
 #include <vector>
 
-#include "core/error.h"
-#include "core/image.h"
-#include "render/frame_scene.h"
+#include "intaglio/error.h"
+#include "intaglio/image.h"
 #include "mesh/triangle_mesh.h"
+#include "render/frame_scene.h"
 #include "surface/surface.h"
 
 namespace intaglio::render {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <fmt/format.h>
 
 namespace intaglio::render {
 

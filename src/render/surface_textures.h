@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/error.h"
-#include "core/image.h"
+#include "intaglio/error.h"
+#include "intaglio/image.h"
 #include "render/gl.h"
 #include "surface/surface.h"
 

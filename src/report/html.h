@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
-#include "core/event.h"
-#include "core/image.h"
+#include "intaglio/event.h"
+#include "intaglio/image.h"
 
 namespace intaglio::report {
 

@@ -1,10 +1,12 @@
 #include "report/inspect_page.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "core/error.h"
+#include "core/text.h"
+#include "intaglio/error.h"
 #include "report/html.h"
 #include "report/svg_plot.h"
 

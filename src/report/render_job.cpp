@@ -2,6 +2,7 @@
 
 #include <pthread.h>
 
+#include <fmt/format.h>
 #include <chrono>
 #include <condition_variable>
 #include <mutex>

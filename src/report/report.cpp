@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "haptics/guard.h"
+#include "intaglio/representation.h"
 #include "report/agreement.h"
 #include "report/contacts.h"
 #include "report/html.h"

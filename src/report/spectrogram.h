@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/image.h"
+#include "intaglio/image.h"
 
 namespace intaglio::report {
 

@@ -8,6 +8,7 @@
 
 #include "contact/shape.h"
 #include "core/portable_math.h"
+#include "intaglio/representation.h"
 
 namespace intaglio::scene {
 

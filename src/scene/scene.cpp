@@ -1,11 +1,13 @@
 #include "scene/scene.h"
 
+#include <fmt/format.h>
 #include <array>
 #include <cmath>
 #include <limits>
 
 #include "core/file.h"
 #include "core/toml.h"
+#include "intaglio/representation.h"
 #include "scene/scene_reader.h"
 
 namespace intaglio::scene {

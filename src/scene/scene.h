@@ -7,13 +7,14 @@
 #include <string>
 #include <vector>
 
-#include "core/error.h"
-#include "core/event.h"
-#include "core/material.h"
-#include "core/vec.h"
 #include "dynamics/world.h"
 #include "haptics/device.h"
 #include "haptics/servo.h"
+#include "intaglio/error.h"
+#include "intaglio/event.h"
+#include "intaglio/material.h"
+#include "intaglio/representation.h"
+#include "intaglio/vec.h"
 #include "sound/synthesizer.h"
 #include "surface/import.h"
 

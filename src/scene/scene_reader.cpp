@@ -9,7 +9,7 @@
 #include <variant>
 
 #include "core/toml.h"
-#include "core/vec.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::scene {
 

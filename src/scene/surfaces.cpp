@@ -1,11 +1,14 @@
 #include "scene/surfaces.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <variant>
 
-#include "core/error.h"
+#include "core/text.h"
+#include "intaglio/error.h"
+#include "intaglio/representation.h"
 #include "mesh/mesh_file.h"
 #include "mesh/triangle_mesh.h"
 #include "surface/import.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/error.h"
+#include "intaglio/error.h"
 #include "mesh/mesh_placement.h"
 #include "mesh/relief_mesh.h"
 #include "scene/scene.h"

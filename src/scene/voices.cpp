@@ -3,6 +3,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <condition_variable>
@@ -13,6 +14,7 @@
 #include <thread>
 
 #include "core/hash.h"
+#include "intaglio/representation.h"
 #include "sound/bake/bake.h"
 #include "sound/bake/fem/tet_mesh.h"
 #include "sound/model_file.h"

@@ -4,7 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/vec.h"
+#include "intaglio/representation.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::scene {
 

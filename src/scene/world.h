@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "dynamics/world.h"
+#include "intaglio/representation.h"
 #include "scene/scene.h"
 #include "scene/surfaces.h"
 

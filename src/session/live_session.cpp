@@ -1,11 +1,14 @@
 #include "session/live_session.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <thread>
 
-#include "core/vec.h"
+#include "core/clock.h"
+#include "intaglio/representation.h"
+#include "intaglio/vec.h"
 #include "session/recording.h"
 #include "session/simulation.h"
 

@@ -25,10 +25,10 @@
 #include <thread>
 #include <vector>
 
-#include "core/event.h"
 #include "core/lock_free.h"
 #include "haptics/device.h"
 #include "haptics/servo_loop.h"
+#include "intaglio/event.h"
 #include "scene/voices.h"
 #include "session/scene_loop.h"
 #include "sound/audio_device.h"

@@ -8,9 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "core/event.h"
-#include "core/image.h"
 #include "haptics/servo.h"
+#include "intaglio/event.h"
+#include "intaglio/image.h"
+#include "intaglio/representation.h"
 #include "scene/voices.h"
 #include "surface/surface.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/vec.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::session {
 

@@ -11,10 +11,11 @@
 #include <optional>
 #include <vector>
 
-#include "core/event.h"
 #include "haptics/pen.h"
 #include "haptics/proxy.h"
 #include "haptics/servo.h"
+#include "intaglio/event.h"
+#include "intaglio/representation.h"
 #include "scene/world.h"
 
 namespace intaglio::session {

@@ -1,10 +1,12 @@
 #include "session/simulation.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 
-#include "core/vec.h"
+#include "core/clock.h"
 #include "haptics/passivity.h"
+#include "intaglio/vec.h"
 #include "sound/synthesizer.h"
 
 namespace intaglio::session {

@@ -9,10 +9,12 @@
 #include <memory>
 #include <vector>
 
-#include "core/error.h"
-#include "core/event.h"
+#include "core/clock.h"
 #include "core/hash.h"
+#include "intaglio/error.h"
+#include "intaglio/event.h"
 #include "scene/voices.h"
+#include "scene/world.h"
 #include "session/recording.h"
 #include "session/scene_loop.h"
 #include "sound/synthesizer.h"

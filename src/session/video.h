@@ -10,8 +10,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "core/error.h"
-#include "core/image.h"
+#include "intaglio/error.h"
+#include "intaglio/image.h"
 
 namespace intaglio::session {
 

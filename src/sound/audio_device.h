@@ -11,7 +11,7 @@
 #include <span>
 #include <string>
 
-#include "core/error.h"
+#include "intaglio/error.h"
 
 namespace intaglio::sound {
 

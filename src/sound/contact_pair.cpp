@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/portable_math.h"
 #include "sound/impact.h"
 
 namespace intaglio::sound {

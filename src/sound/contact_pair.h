@@ -10,8 +10,8 @@
 #include <span>
 #include <vector>
 
-#include "core/event.h"
 #include "core/portable_math.h"
+#include "intaglio/event.h"
 #include "sound/contact_step.h"
 #include "sound/ensemble.h"
 #include "sound/rubbing.h"

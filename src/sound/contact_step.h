@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <optional>
 
-#include "core/event.h"
-#include "core/vec.h"
+#include "intaglio/event.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::sound {
 

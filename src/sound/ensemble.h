@@ -9,9 +9,9 @@
 #include <span>
 #include <vector>
 
-#include "sound/rubbing.h"
-#include "sound/modal_bank.h"
 #include "sound/impact.h"
+#include "sound/modal_bank.h"
+#include "sound/rubbing.h"
 #include "sound/synthesizer.h"
 
 namespace intaglio::sound {

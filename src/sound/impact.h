@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "core/material.h"
+#include "intaglio/material.h"
 #include "surface/surface.h"
 
 namespace intaglio::sound {

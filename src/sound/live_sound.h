@@ -11,8 +11,8 @@
 #include <chrono>
 
 #include "core/lock_free.h"
-#include "sound/synthesizer.h"
 #include "sound/audio_device.h"
+#include "sound/synthesizer.h"
 
 namespace intaglio::sound {
 

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "core/error.h"
-#include "core/material.h"
+#include "intaglio/error.h"
+#include "intaglio/material.h"
 #include "sound/triangle_grid.h"
 
 namespace intaglio::sound {

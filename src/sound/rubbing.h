@@ -13,8 +13,8 @@
 #include <span>
 #include <vector>
 
-#include "core/material.h"
-#include "core/vec.h"
+#include "intaglio/material.h"
+#include "intaglio/vec.h"
 #include "surface/surface.h"
 
 namespace intaglio::sound {

@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "core/event.h"
+#include "intaglio/event.h"
 #include "sound/modal_model.h"
 #include "sound/synthesizer.h"
 

@@ -13,8 +13,8 @@
 #include <span>
 #include <vector>
 
-#include "core/event.h"
-#include "core/vec.h"
+#include "intaglio/event.h"
+#include "intaglio/vec.h"
 #include "sound/modal_model.h"
 #include "surface/surface.h"
 

@@ -10,7 +10,7 @@
 #include <array>
 #include <vector>
 
-#include "core/vec.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::sound {
 

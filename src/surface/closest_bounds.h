@@ -10,8 +10,7 @@
 
 #include <limits>
 
-#include "core/eigen.h"
-#include "core/vec.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::surface {
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string>
 #include <vector>
+#include <fmt/format.h>
 
 #include "core/file.h"
 #include "surface/fuse.h"

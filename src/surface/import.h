@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "core/error.h"
+#include "intaglio/error.h"
 #include "surface/recipes/builtin.h"
 #include "surface/surface.h"
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <set>
+#include <fmt/format.h>
 
 #include "surface/image/image_file.h"
 

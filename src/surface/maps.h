@@ -5,8 +5,8 @@
 #include <limits>
 #include <vector>
 
-#include "core/image.h"
-#include "core/vec.h"
+#include "intaglio/image.h"
+#include "intaglio/vec.h"
 #include "surface/fuse.h"
 #include "surface/import.h"
 

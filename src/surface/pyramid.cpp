@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/eigen.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::surface {
 

@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/image.h"
-#include "core/vec.h"
+#include "intaglio/image.h"
+#include "intaglio/vec.h"
 #include "surface/pyramid.h"
 #include "surface/texels.h"
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "core/huge_pages.h"
-#include "core/vec.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::surface {
 

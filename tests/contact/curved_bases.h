@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/portable_math.h"
 #include "mesh/relief_mesh.h"
 #include "tests/surface/brick_surface.h"
 #include "tests/surface/test_mesh_shapes.h"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "core/portable_math.h"
 #include "tests/contact/bodies.h"
 #include "tests/contact/brute.h"
 #include "tests/surface/brick_surface.h"

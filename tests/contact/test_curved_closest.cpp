@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/portable_math.h"
 #include "mesh/relief_closest.h"
 #include "tests/contact/curved_bases.h"
 #include "tests/count_allocations.h"

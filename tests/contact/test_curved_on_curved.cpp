@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "contact/curved_body.h"
+#include "core/portable_math.h"
 #include "mesh/relief_closest.h"
 #include "tests/contact/bodies.h"
 #include "tests/contact/curved_bases.h"

@@ -3,8 +3,9 @@
 #include <cmath>
 
 #include "contact/curved_body.h"
-#include "surface/closest.h"
+#include "core/portable_math.h"
 #include "mesh/relief_closest.h"
+#include "surface/closest.h"
 #include "tests/contact/bodies.h"
 #include "tests/contact/curved_bases.h"
 #include "tests/count_allocations.h"

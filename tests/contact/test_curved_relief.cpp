@@ -4,6 +4,7 @@
 
 #include "contact/curved_contacts.h"
 #include "contact/surface_contacts.h"
+#include "core/portable_math.h"
 #include "mesh/relief_closest.h"
 #include "tests/contact/bodies.h"
 #include "tests/contact/curved_bases.h"

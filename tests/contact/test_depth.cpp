@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/portable_math.h"
 #include "tests/contact/bodies.h"
 #include "tests/contact/brute.h"
 #include "tests/surface/brick_surface.h"

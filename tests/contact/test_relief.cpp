@@ -4,6 +4,7 @@
 #include <limits>
 #include <set>
 
+#include "core/portable_math.h"
 #include "tests/contact/bodies.h"
 #include "tests/count_allocations.h"
 #include "tests/surface/brick_surface.h"

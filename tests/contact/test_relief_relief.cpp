@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "contact/relief_relief.h"
+#include "core/portable_math.h"
 #include "surface/closest.h"
 #include "tests/contact/bodies.h"
 #include "tests/count_allocations.h"

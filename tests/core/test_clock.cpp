@@ -1,6 +1,7 @@
 #include <doctest/doctest.h>
 
-#include "core/event.h"
+#include "core/clock.h"
+#include "intaglio/event.h"
 
 using intaglio::Clock;
 

@@ -9,10 +9,10 @@
 #include <numbers>
 #include <vector>
 
-#include "core/portable_math.h"
 #include "core/fourier.h"
 #include "core/hash.h"
-#include "core/vec.h"
+#include "core/portable_math.h"
+#include "intaglio/vec.h"
 
 using namespace intaglio;
 

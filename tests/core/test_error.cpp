@@ -4,8 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "core/error.h"
-#include "core/material.h"
+#include "core/text.h"
+#include "intaglio/error.h"
+#include "intaglio/material.h"
 
 using namespace intaglio;
 

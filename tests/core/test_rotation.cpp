@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 
 #include "core/portable_math.h"
-#include "core/vec.h"
+#include "intaglio/vec.h"
 
 using namespace intaglio;
 

@@ -9,10 +9,11 @@
 
 #include "contact/polyhedron.h"
 #include "core/file.h"
-#include "core/image.h"
-#include "surface/recipes/builtin.h"
-#include "surface/import.h"
+#include "core/portable_math.h"
+#include "intaglio/image.h"
 #include "mesh/triangle_mesh.h"
+#include "surface/import.h"
+#include "surface/recipes/builtin.h"
 
 namespace intaglio::determinism {
 

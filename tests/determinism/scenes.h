@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "contact/shape.h"
-#include "core/event.h"
 #include "core/hash.h"
 #include "core/portable_math.h"
-#include "sound/synthesizer.h"
+#include "intaglio/event.h"
 #include "mesh/relief_mesh.h"
+#include "sound/synthesizer.h"
 #include "surface/surface.h"
 
 namespace intaglio::determinism {

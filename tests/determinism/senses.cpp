@@ -6,10 +6,11 @@
 #include "contact/curved_contacts.h"
 #include "contact/surface_contacts.h"
 #include "core/portable_math.h"
-#include "core/vec.h"
 #include "dynamics/world.h"
 #include "haptics/device.h"
 #include "haptics/servo.h"
+#include "intaglio/representation.h"
+#include "intaglio/vec.h"
 #include "sound/synthesizer.h"
 #include "tests/determinism/scenes.h"
 

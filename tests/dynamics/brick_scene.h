@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "contact/shape.h"
 #include "contact/polyhedron.h"
+#include "contact/shape.h"
 #include "core/portable_math.h"
 #include "dynamics/world.h"
 #include "surface/closest.h"

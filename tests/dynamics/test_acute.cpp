@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "dynamics/world.h"
+#include "intaglio/representation.h"
 #include "tests/contact/curved_bases.h"
 
 using namespace intaglio;

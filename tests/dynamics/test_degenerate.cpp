@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "intaglio/representation.h"
 #include "tests/dynamics/brick_scene.h"
 
 using namespace intaglio;

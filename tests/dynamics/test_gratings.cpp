@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "intaglio/representation.h"
 #include "tests/dynamics/plain_bullet.h"
 #include "tests/surface/brick_surface.h"
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "intaglio/representation.h"
 #include "tests/dynamics/brick_scene.h"
 
 using namespace intaglio;

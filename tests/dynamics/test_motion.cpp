@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dynamics/world.h"
+#include "intaglio/representation.h"
 
 using namespace intaglio;
 using namespace intaglio::dynamics;

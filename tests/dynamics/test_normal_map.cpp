@@ -5,6 +5,8 @@
 #include <numbers>
 
 #include "contact/surface_contacts.h"
+#include "core/portable_math.h"
+#include "intaglio/representation.h"
 #include "tests/dynamics/brick_scene.h"
 
 using namespace intaglio;

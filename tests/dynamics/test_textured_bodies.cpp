@@ -6,9 +6,11 @@
 #include <map>
 #include <numbers>
 #include <string>
+#include <fmt/format.h>
 
-#include "dynamics/world_state.h"
 #include "dynamics/world.h"
+#include "dynamics/world_state.h"
+#include "intaglio/representation.h"
 #include "tests/contact/curved_bases.h"
 
 using namespace intaglio;

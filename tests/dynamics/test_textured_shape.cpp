@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/portable_math.h"
 #include "tests/dynamics/brick_scene.h"
 #include "tests/dynamics/plain_bullet.h"
 

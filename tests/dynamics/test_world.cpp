@@ -6,6 +6,7 @@
 
 #include "core/hash.h"
 #include "dynamics/world.h"
+#include "intaglio/representation.h"
 #include "tests/surface/brick_surface.h"
 
 using namespace intaglio;

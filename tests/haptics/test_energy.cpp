@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/portable_math.h"
 #include "haptics/servo.h"
+#include "intaglio/representation.h"
 #include "tests/haptics/closed_loops.h"
 #include "tests/surface/brick_surface.h"
 

@@ -3,6 +3,7 @@
 
 #include "haptics/held_plane.h"
 #include "haptics/servo.h"
+#include "intaglio/representation.h"
 #include "tests/surface/brick_surface.h"
 
 using namespace intaglio;

@@ -3,8 +3,8 @@
 #include <cstring>
 #include <limits>
 
-#include "haptics/haptic_log.h"
 #include "haptics/device.h"
+#include "haptics/haptic_log.h"
 #include "tests/surface/brick_surface.h"
 
 using namespace intaglio;

@@ -5,6 +5,7 @@
 
 #include "haptics/device.h"
 #include "haptics/servo.h"
+#include "intaglio/representation.h"
 #include "tests/count_allocations.h"
 #include "tests/surface/brick_surface.h"
 

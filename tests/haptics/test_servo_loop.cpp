@@ -6,8 +6,8 @@
 #include <thread>
 #include <vector>
 
-#include "tests/haptics/null_device.h"
 #include "haptics/servo_loop.h"
+#include "tests/haptics/null_device.h"
 #include "tests/surface/brick_surface.h"
 
 using namespace intaglio;

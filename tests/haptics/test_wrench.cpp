@@ -6,6 +6,7 @@
 #include "core/portable_math.h"
 #include "haptics/pen.h"
 #include "haptics/servo.h"
+#include "intaglio/representation.h"
 #include "tests/surface/brick_surface.h"
 
 using namespace intaglio;

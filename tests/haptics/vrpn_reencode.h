@@ -2,9 +2,9 @@
 // fuzzer.
 #pragma once
 
-#include "haptics/vrpn/payloads.h"
-#include "haptics/vrpn/message.h"
 #include "haptics/vrpn/force.h"
+#include "haptics/vrpn/message.h"
+#include "haptics/vrpn/payloads.h"
 
 namespace intaglio::haptics::vrpn {
 

@@ -1,4 +1,5 @@
 // The depth picture means the same field as surface::Surface.
+#include "intaglio/representation.h"
 #include "oracle.h"
 #include "scenes.h"
 

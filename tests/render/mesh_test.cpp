@@ -1,6 +1,7 @@
 // The traced relief beside the same texture as a displaced mesh.
-#include "render/mesh.h"
+#include "intaglio/representation.h"
 #include "oracle.h"
+#include "render/mesh.h"
 #include "scenes.h"
 
 namespace intaglio::render::test {

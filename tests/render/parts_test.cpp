@@ -4,8 +4,8 @@
 #include <numbers>
 #include <thread>
 
-#include "render/surface_textures.h"
 #include "render/mesh.h"
+#include "render/surface_textures.h"
 #include "scenes.h"
 
 namespace intaglio::render::test {

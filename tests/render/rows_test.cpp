@@ -1,5 +1,6 @@
 // What differs along v alone shows at the right end of the picture, and so along u: textures loaded upside
 // down look plausible, but not here.
+#include "intaglio/representation.h"
 #include "scenes.h"
 
 namespace intaglio::render::test {

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "core/file.h"
+#include "intaglio/representation.h"
 #include "render/egl_context.h"
 #include "scene/picture.h"
 #include "surface/image/image_file.h"

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <thread>
 
+#include "intaglio/representation.h"
 #include "scene/picture.h"
 #include "scene/scene_reader.h"
 #include "session/live_session.h"

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "intaglio/representation.h"
 #include "session/simulation.h"
 
 using namespace intaglio;

@@ -6,7 +6,8 @@
 #include <map>
 #include <thread>
 
-#include "core/vec.h"
+#include "intaglio/representation.h"
+#include "intaglio/vec.h"
 #include "session/live_session.h"
 #include "session/scene_loop.h"
 #include "session/simulation.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "intaglio/representation.h"
 #include "session/simulation.h"
 
 using namespace intaglio;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "intaglio/representation.h"
 #include "scene/picture.h"
 #include "scene/surfaces.h"
 #include "scene/world.h"

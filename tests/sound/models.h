@@ -5,11 +5,11 @@
 #include <numbers>
 
 #include "core/portable_math.h"
+#include "sound/bake/bake.h"
 #include "sound/bake/fem/tet_mesh.h"
+#include "sound/bake/radiation.h"
 #include "sound/modal_bank.h"
 #include "sound/modal_model.h"
-#include "sound/bake/radiation.h"
-#include "sound/bake/bake.h"
 
 namespace intaglio::sound::test {
 

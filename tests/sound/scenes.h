@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "core/event.h"
 #include "core/portable_math.h"
+#include "intaglio/event.h"
 #include "sound/synthesizer.h"
 #include "tests/sound/models.h"
 

@@ -4,11 +4,13 @@
 #include <Eigen/QR>
 #include <cmath>
 #include <numeric>
+#include <fmt/format.h>
 
-#include "sound/bake/fem/modes.h"
-#include "sound/bake/fem/fill_surface.h"
-#include "sound/bake/merge_modes.h"
+#include "core/portable_math.h"
 #include "sound/bake/bake.h"
+#include "sound/bake/fem/fill_surface.h"
+#include "sound/bake/fem/modes.h"
+#include "sound/bake/merge_modes.h"
 #include "sound/bake/radiation.h"
 #include "sound/modal_model.h"
 #include "sound/strike.h"

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "sound/bake/fem/fill_surface.h"
-#include "sound/bake/fem/modes.h"
 #include "sound/bake/fem/inside.h"
+#include "sound/bake/fem/modes.h"
 #include "tests/sound/models.h"
 #include "tests/sound/surfaces.h"
 

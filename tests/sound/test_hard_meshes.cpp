@@ -5,12 +5,13 @@
 #include <cmath>
 #include <cstdlib>
 #include <optional>
+#include <fmt/format.h>
 
 #include "core/portable_math.h"
+#include "mesh/mesh_file.h"
 #include "sound/bake/bake.h"
 #include "sound/bake/fem/fill_surface.h"
 #include "sound/model_file.h"
-#include "mesh/mesh_file.h"
 #include "tests/sound/models.h"
 #include "tests/sound/surfaces.h"
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <map>
+#include <fmt/format.h>
 
 #include "sound/bake/bake.h"
 #include "sound/bake/fem/mesher.h"

@@ -5,11 +5,11 @@
 #include <thread>
 
 #include "core/lock_free.h"
-#include "sound/live_sound.h"
 #include "sound/audio/devices.h"
-#include "tests/sound/test_clock_device.h"
+#include "sound/live_sound.h"
 #include "tests/count_allocations.h"
 #include "tests/sound/scenes.h"
+#include "tests/sound/test_clock_device.h"
 
 using namespace intaglio;
 using namespace intaglio::sound;

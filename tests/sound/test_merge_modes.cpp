@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <unsupported/Eigen/FFT>
+#include <fmt/format.h>
 
 #include "core/portable_math.h"
 #include "sound/bake/merge_modes.h"

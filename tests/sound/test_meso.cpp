@@ -4,7 +4,7 @@
 #include <cmath>
 #include <functional>
 
-#include "core/vec.h"
+#include "intaglio/vec.h"
 #include "sound/rubbing.h"
 
 using namespace intaglio;

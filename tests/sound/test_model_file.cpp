@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/portable_math.h"
 #include "sound/model_file.h"
 #include "tests/sound/models.h"
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <fmt/format.h>
 
 #include "core/file.h"
 #include "sound/bake/fem/mesher.h"

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
+#include "sound/bake/bake.h"
 #include "sound/bake/fem/fill_surface.h"
 #include "sound/bake/fem/tet_mesh.h"
-#include "sound/bake/bake.h"
 #include "tests/sound/models.h"
 #include "tests/sound/surfaces.h"
 

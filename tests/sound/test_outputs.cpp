@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "core/file.h"
-#include "sound/synthesizer.h"
 #include "sound/audio/wav.h"
+#include "sound/synthesizer.h"
 #include "tests/temporary_folder.h"
 
 using namespace intaglio;

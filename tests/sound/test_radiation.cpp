@@ -7,11 +7,11 @@
 #include <functional>
 
 #include "core/portable_math.h"
-#include "sound/modal_model.h"
-#include "sound/impact.h"
 #include "sound/bake/bake.h"
 #include "sound/bake/near_field.h"
 #include "sound/bake/radiation.h"
+#include "sound/impact.h"
+#include "sound/modal_model.h"
 #include "sound/strike.h"
 #include "tests/sound/models.h"
 

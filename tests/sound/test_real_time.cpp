@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <mutex>
 
+#include "core/portable_math.h"
 #include "sound/modal_bank.h"
 #include "sound/synthesizer.h"
 #include "tests/count_allocations.h"

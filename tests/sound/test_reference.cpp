@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <fmt/format.h>
 
 #include "sound/bake/fem/modes.h"
 #include "sound/bake/fem/tet_mesh.h"

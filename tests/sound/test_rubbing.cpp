@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "sound/impact.h"
 #include "sound/modal_bank.h"
 #include "sound/modal_model.h"
-#include "sound/impact.h"
 #include "sound/rubbing.h"
 #include "tests/sound/models.h"
 

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
+#include "sound/bake/bake.h"
 #include "sound/bake/merge_modes.h"
 #include "sound/modal_model.h"
 #include "tests/sound/models.h"
-#include "sound/bake/bake.h"
 
 using namespace intaglio;
 using namespace intaglio::sound;

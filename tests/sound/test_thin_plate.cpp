@@ -7,6 +7,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
+#include <fmt/format.h>
 
 #include "sound/bake/fem/modes.h"
 #include "sound/bake/fem/tet_mesh.h"

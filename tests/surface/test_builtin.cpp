@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "core/hash.h"
-#include "core/material.h"
 #include "core/portable_math.h"
+#include "intaglio/material.h"
 #include "surface/recipes/builtin.h"
 #include "surface/recipes/noise.h"
 #include "surface/recipes/painter.h"

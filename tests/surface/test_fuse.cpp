@@ -6,10 +6,10 @@
 #include <numbers>
 
 #include "core/portable_math.h"
-#include "surface/recipes/builtin.h"
 #include "surface/fuse.h"
 #include "surface/import.h"
 #include "surface/maps.h"
+#include "surface/recipes/builtin.h"
 
 using namespace intaglio;
 using namespace intaglio::surface;

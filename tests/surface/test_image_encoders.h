@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/image.h"
+#include "intaglio/image.h"
 
 namespace intaglio::surface::encoders {
 

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "core/portable_math.h"
 #include "tests/count_allocations.h"
 #include "tests/surface/test_mesh_shapes.h"
 

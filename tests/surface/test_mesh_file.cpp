@@ -1,5 +1,7 @@
 #include "tests/surface/test_mesh_writers.h"
 
+#include <fmt/format.h>
+
 using namespace intaglio;
 using namespace intaglio::tests;
 

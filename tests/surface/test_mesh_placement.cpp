@@ -4,6 +4,7 @@
 #include <numbers>
 #include <thread>
 
+#include "core/portable_math.h"
 #include "mesh/base_patch.h"
 #include "tests/surface/test_mesh_shapes.h"
 

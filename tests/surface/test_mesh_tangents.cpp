@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/portable_math.h"
 #include "tests/surface/test_mesh_shapes.h"
 
 using namespace intaglio;

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
+#include <fmt/format.h>
 
 #include "core/file.h"
 #include "mesh/mesh_file.h"

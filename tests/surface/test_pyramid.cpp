@@ -7,9 +7,9 @@
 
 #include "core/portable_math.h"
 #include "surface/closest.h"
-#include "surface/surface.h"
 #include "surface/pyramid.h"
 #include "surface/ray.h"
+#include "surface/surface.h"
 #include "tests/skipped.h"
 #include "tests/surface/brick_surface.h"
 

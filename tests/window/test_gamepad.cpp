@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "scene/world.h"
-#include "window/hands.h"
 #include "tests/skipped.h"
+#include "window/hands.h"
 
 using namespace intaglio;
 using namespace intaglio::window;

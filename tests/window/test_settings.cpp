@@ -3,10 +3,10 @@
 #include <cmath>
 
 #include "core/file.h"
-#include "window/stage.h"
+#include "tests/temporary_folder.h"
 #include "window/hands.h"
 #include "window/settings.h"
-#include "tests/temporary_folder.h"
+#include "window/stage.h"
 
 using namespace intaglio;
 using namespace intaglio::window;

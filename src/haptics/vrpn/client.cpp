@@ -1,6 +1,7 @@
 #include "haptics/vrpn/client.h"
 
 #include <charconv>
+#include <fmt/format.h>
 
 #include "haptics/vrpn/message.h"
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <string_view>
 
-#include "core/error.h"
 #include "haptics/vrpn/connection.h"
 #include "haptics/vrpn/message.h"
+#include "intaglio/error.h"
 
 namespace intaglio::haptics::vrpn {
 

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/vec.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::haptics::vrpn {
 

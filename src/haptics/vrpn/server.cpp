@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <thread>
+#include <fmt/format.h>
 
 #include "core/portable_math.h"
 #include "haptics/vrpn/client.h"

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <utility>
 
-#include "core/error.h"
 #include "haptics/vrpn/message.h"
+#include "intaglio/error.h"
 
 namespace intaglio::haptics::vrpn {
 

@@ -16,8 +16,8 @@
 
 #include "core/lock_free.h"
 #include "haptics/device.h"
-#include "haptics/vrpn/force.h"
 #include "haptics/vrpn/client.h"
+#include "haptics/vrpn/force.h"
 
 namespace intaglio::haptics::vrpn {
 

@@ -7,7 +7,9 @@
 #include <array>
 #include <atomic>
 #include <cstdio>
+#include <fmt/format.h>
 
+#include "core/clock.h"
 #include "sound/audio_device.h"
 
 namespace intaglio::sound {

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <system_error>
+#include <fmt/format.h>
 
 #include "core/file.h"
 

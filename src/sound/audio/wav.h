@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <span>
 
-#include "core/error.h"
+#include "intaglio/error.h"
 
 namespace intaglio::sound {
 

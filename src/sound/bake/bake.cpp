@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <fmt/format.h>
 
 #include "sound/bake/fem/elastic_system.h"
 #include "sound/bake/radiation.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/hash.h"
-#include "core/material.h"
+#include "intaglio/material.h"
 #include "sound/bake/fem/body_surface.h"
 #include "sound/bake/fem/modes.h"
 #include "sound/bake/sample_surface.h"
@@ -27,7 +27,6 @@ Hash bake_inputs(const Material& material, const BakeOptions& options);
 // Modal analysis of a free body. Overdamped modes do not ring and are left out. Takes seconds: see
 // fem/modes.h.
 Result<ModalModel> bake(const TetMesh& mesh, const Material& material, const BakeOptions& options = {});
-
 
 struct ModalSurface {
   std::vector<Vec3> points;

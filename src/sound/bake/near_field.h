@@ -12,7 +12,7 @@
 
 #include <vector>
 
-#include "core/vec.h"
+#include "intaglio/vec.h"
 #include "sound/triangle_grid.h"
 
 namespace intaglio::sound {

@@ -6,9 +6,9 @@
 #include <map>
 #include <numbers>
 
-#include "sound/modal_model.h"
 #include "sound/bake/near_field.h"
 #include "sound/bake/sample_surface.h"
+#include "sound/modal_model.h"
 
 namespace intaglio::sound {
 

@@ -29,7 +29,7 @@
 #include <span>
 #include <vector>
 
-#include "core/vec.h"
+#include "intaglio/vec.h"
 #include "sound/modal_model.h"
 
 namespace intaglio::sound {

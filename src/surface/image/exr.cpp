@@ -12,6 +12,7 @@
 #include <map>
 #include <optional>
 #include <stdexcept>
+#include <fmt/format.h>
 
 namespace intaglio::surface {
 

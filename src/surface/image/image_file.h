@@ -14,8 +14,8 @@
 #include <span>
 #include <string>
 
-#include "core/error.h"
-#include "core/image.h"
+#include "intaglio/error.h"
+#include "intaglio/image.h"
 
 namespace intaglio::surface {
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <fmt/format.h>
 
 #include "surface/image/image_file.h"
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 #include <memory>
+#include <fmt/format.h>
 
 #include "surface/image/image_file.h"
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <fmt/format.h>
 
 #include "surface/image/image_file.h"
 

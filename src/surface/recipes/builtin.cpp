@@ -7,8 +7,10 @@
 #include <cmath>
 #include <filesystem>
 #include <vector>
+#include <fmt/format.h>
 
 #include "core/file.h"
+#include "core/text.h"
 #include "intaglio_materials.h"
 #include "surface/recipes/painter.h"
 

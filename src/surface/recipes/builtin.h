@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/error.h"
-#include "core/image.h"
+#include "intaglio/error.h"
+#include "intaglio/image.h"
 #include "surface/recipes/recipe.h"
 
 namespace intaglio::surface {

@@ -10,7 +10,7 @@
 #include <memory>
 #include <optional>
 
-#include "core/vec.h"
+#include "intaglio/vec.h"
 #include "surface/recipes/noise.h"
 #include "surface/recipes/recipe.h"
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/vec.h"
+#include "intaglio/vec.h"
 #include "surface/recipes/layout.h"
 #include "surface/recipes/recipe.h"
 

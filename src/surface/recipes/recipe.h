@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "core/material.h"
-#include "core/vec.h"
+#include "intaglio/material.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::surface {
 

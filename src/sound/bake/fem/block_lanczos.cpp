@@ -9,6 +9,7 @@
 #include <cassert>
 #include <mutex>
 #include <vector>
+#include <fmt/format.h>
 
 #include "core/portable_math.h"
 

@@ -12,7 +12,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/error.h"
+#include "intaglio/error.h"
 #include "sound/bake/fem/elastic_system.h"
 
 namespace intaglio::sound {

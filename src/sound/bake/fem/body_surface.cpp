@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <fmt/format.h>
 
 namespace intaglio::sound {
 

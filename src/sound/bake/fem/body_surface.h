@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/error.h"
+#include "intaglio/error.h"
 #include "mesh/triangle_mesh.h"
 #include "mesh/triangle_search.h"
 #include "sound/triangle_grid.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "core/material.h"
+#include "intaglio/material.h"
 #include "sound/bake/fem/tet_mesh.h"
 
 namespace intaglio::sound {

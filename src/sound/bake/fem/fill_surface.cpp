@@ -5,6 +5,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <fmt/format.h>
 
 #include "sound/bake/fem/body_surface.h"
 #include "sound/bake/fem/elastic_system.h"

@@ -10,7 +10,7 @@
 // number of elements. Cost: about 0.1 s for 2,500 elements from 5,000 triangles.
 #pragma once
 
-#include "core/error.h"
+#include "intaglio/error.h"
 #include "sound/bake/fem/body_surface.h"
 #include "sound/bake/fem/tet_mesh.h"
 

@@ -10,7 +10,7 @@
 #include <set>
 #include <vector>
 
-#include "core/vec.h"
+#include "intaglio/vec.h"
 #include "sound/bake/fem/body_surface.h"
 #include "sound/triangle_grid.h"
 

@@ -14,7 +14,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/vec.h"
+#include "intaglio/vec.h"
 #include "sound/bake/fem/tet_mesh.h"
 #include "sound/triangle_grid.h"
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
+#include <fmt/format.h>
 
 #include "core/file.h"
 #include "core/process.h"

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <fmt/format.h>
 
 #include "core/portable_math.h"
 #include "sound/bake/fem/block_lanczos.h"

@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "core/error.h"
+#include "intaglio/error.h"
 #include "sound/bake/fem/elastic_system.h"
 
 namespace intaglio::sound {

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <unordered_map>
 #include <vector>
+#include <fmt/format.h>
 
 #include "sound/bake/fem/elastic_system.h"
 

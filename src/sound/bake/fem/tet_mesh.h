@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "core/error.h"
-#include "core/vec.h"
+#include "intaglio/error.h"
+#include "intaglio/vec.h"
 
 namespace intaglio::sound {
 

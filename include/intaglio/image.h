@@ -4,10 +4,7 @@
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <vector>
-
-#include "core/error.h"
 
 namespace intaglio {
 

@@ -1,9 +1,10 @@
-#include "core/error.h"
+#include "core/text.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <numeric>
+#include <ostream>
 #include <vector>
 
 namespace intaglio {
@@ -15,12 +16,16 @@ std::string Error::message() const {
   return line;
 }
 
+std::ostream& operator<<(std::ostream& out, const Error& error) {
+  return out << error.message();
+}
+
 int edit_distance(const std::string& a, const std::string& b) {
   std::vector<int> row(b.size() + 1);
   std::iota(row.begin(), row.end(), 0);
   for (std::size_t i = 1; i <= a.size(); ++i) {
     int diagonal = row[0];
-    row[0] = static_cast<int>(i);
+    row[0] = int(i);
     for (std::size_t j = 1; j <= b.size(); ++j) {
       const int substitute = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
       diagonal = row[j];
@@ -37,7 +42,7 @@ std::string json_quoted(std::string_view text) {
       out += '\\';
       out += c;
     } else if (static_cast<unsigned char>(c) < 0x20) {
-      out += fmt::format("\\u{:04x}", static_cast<unsigned>(static_cast<unsigned char>(c)));
+      out += fmt::format("\\u{:04x}", unsigned(static_cast<unsigned char>(c)));
     } else {
       out += c;
     }

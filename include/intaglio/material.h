@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/error.h"
+#include "intaglio/error.h"
 
 namespace intaglio {
 
@@ -28,8 +28,8 @@ struct Material {
   double rayleigh_beta = 1e-6;  // s
   double friction = 0.5;        // Coulomb, of a pair: the product of both, square-rooted
   double restitution = 0.3;     // in [0, 1], of a pair: the product of both
-  double rolling_resistance =
-      0.005;  // resisting moment over (normal force x radius), of a pair: the sum of both
+  // Resisting moment over (normal force x radius), of a pair: the sum of both.
+  double rolling_resistance = 0.005;
   MicroRoughness micro;
 
   double shear_modulus() const { return youngs_modulus / (2.0 * (1.0 + poisson_ratio)); }
