@@ -110,6 +110,7 @@ void PenLink::place(const Ground& ground, const Vec3& velocity, ContactEvent& ev
     event.uv = place.uv(place.to_local(event.point));
     event.n_g = place.n();
     event.n_s = flat ? event.n_g : ground.surface->world_normal(event.uv);
+    event.n_s += Vec3::Zero();  // logs have no negative zeros
   } else if (const auto under = ground.curved->base().closest(event.point, ground.thickness)) {
     event.uv = under->uv;
     event.sweep = ground.curved->sweep(*under, Quat::Identity()) * velocity;
