@@ -15,3 +15,4 @@ bench:
 	for bench in build/release/bench/bench_*; do $$bench; done
 format:
 	git ls-files '*.h' '*.cpp' | xargs clang-format-14 -i
+	tools/wrap_markdown.py *.md docs/*.md

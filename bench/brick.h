@@ -1,5 +1,4 @@
-// What several benchmarks slide, roll and ask on: the built-in brick at any size; and the clock they are
-// timed by.
+// Shared by several benchmarks: the built-in brick at any size, and a clock.
 #pragma once
 
 #include <time.h>
@@ -15,7 +14,7 @@ namespace intaglio::bench {
 inline double cpu_seconds() {
   timespec t;
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
 }
 
 inline surface::Texels upsampled(const surface::Surface& from, int size) {
@@ -26,7 +25,7 @@ inline surface::Texels upsampled(const surface::Surface& from, int size) {
   for (int j = 0; j < size; ++j) {
     for (int i = 0; i < size; ++i) {
       const surface::Smooth s = from.smooth({(i + 0.5) / size, (j + 0.5) / size});
-      out.depth.push_back(static_cast<float>(std::clamp(-s.height / from.max_depth(), 0.0, 1.0)));
+      out.depth.push_back(float(std::clamp(-s.height / from.max_depth(), 0.0, 1.0)));
       out.normal.push_back(Vec3(-s.gradient.x(), -s.gradient.y(), 1).normalized());
     }
   }

@@ -1,5 +1,5 @@
-// What a step costs: bench_contact [--json | --csv] [--quick] [--only=FLOOR]. One scene, one run, thread-CPU
-// time.
+// Cost of a physics step: bench_contact [--json | --csv] [--quick] [--only=FLOOR]. One scene, one run,
+// thread-CPU time.
 //
 // The scene: built-in bricks, 4 m a side, 8 cm deep, slopes up to 77 degrees; bodies of about 10 cm that move
 // at up to 1 m/s, each for itself, none asleep; a plain Bullet world at 60 Hz with its own settings (10
@@ -114,7 +114,7 @@ Floor textured(const std::string& name, const SharedSurface& s, const ContactOpt
   const double start = cpu_seconds();
   auto shape = std::make_unique<TexturedShape>(s, options);
   out.build_ms = 1e3 * (cpu_seconds() - start);
-  out.bytes = static_cast<double>(s->memory_bytes());
+  out.bytes = double(s->memory_bytes());
   if (out.is_relief) {
     // From texels to a surface that can be asked.
     const std::vector<float> depths = s->depth_texture();
@@ -123,7 +123,7 @@ Floor textured(const std::string& name, const SharedSurface& s, const ContactOpt
     out.build_ms += 1e3 * (cpu_seconds() - begin);
   }
   if (&shape->relief() != s.get()) {
-    out.bytes += static_cast<double>(shape->relief().memory_bytes());
+    out.bytes += double(shape->relief().memory_bytes());
     // Bodies move on the relief that the normals imply: they are thrown over that, and measured in it.
     out.surface = SharedSurface(SharedSurface{}, &shape->relief());
     out.is_relief = true;
@@ -176,7 +176,7 @@ class Run {
         world_.stepSimulation(btScalar(1) / rate, 0);
         const double spent = cpu_seconds() - start;
         if (k < 3) continue;  // pairs are made
-        times.push_back(1e6 * spent / static_cast<double>(bodies_.size()));
+        times.push_back(1e6 * spent / double(bodies_.size()));
         if (floor_.is_relief && is_sphere_) note_depths(depths);
       }
     }
@@ -185,7 +185,7 @@ class Run {
     return {floor_.name,
             what,
             floor_.size,
-            static_cast<int>(bodies_.size()),
+            int(bodies_.size()),
             times[times.size() / 2],
             times[times.size() * 99 / 100],
             depths.empty() ? 0 : 1e3 * depths[depths.size() * 95 / 100],

@@ -1,4 +1,4 @@
-// What reliefs on curved bases cost: bench_curved [--json]. Thread-CPU time, microseconds, median and p99.
+// Cost of reliefs on curved bases: bench_curved [--json]. Thread-CPU time, microseconds, median and p99.
 //
 //   query  one contact query of a body that touches a brick ball of 1 m across, the texture twice around
 //          (2 cm deep): a sphere of 5 cm radius, a capsule, a box; margin 1 mm. By triangles of the base and
@@ -56,9 +56,9 @@ Row timed(std::string what, const surface::ReliefMesh& relief, int count,
     us.push_back((cpu_seconds() - start) * 1e6);
   }
   std::sort(us.begin(), us.end());
-  const auto at = [&](double share) { return us[static_cast<std::size_t>(share * (count - 1))]; };
+  const auto at = [&](double share) { return us[std::size_t(share * (count - 1))]; };
   return {std::move(what),
-          static_cast<int>(relief.base().mesh().triangles.size()),
+          int(relief.base().mesh().triangles.size()),
           relief.surface().width(),
           at(0.5),
           at(0.99),
@@ -71,7 +71,7 @@ volatile double sink;
 std::vector<Pose> touching(const surface::ReliefMesh& relief, int count) {
   Random random(1);
   std::vector<Pose> out;
-  while (static_cast<int>(out.size()) < count) {
+  while (int(out.size()) < count) {
     const Vec3 way = Vec3(random.normal(), 0.4 * random.normal(), random.normal()).normalized();
     Vec3 at = 0.56 * way;
     for (int k = 0; k < 10; ++k) at += (0.05 - surface::closest_point(relief, at, 1)->distance) * way;
@@ -91,8 +91,8 @@ void measure_queries(int around, int size, std::vector<Row>& rows) {
   const auto poses = touching(relief, 300);
   const auto ask = [&](const std::string& what, const contact::Shape& body) {
     rows.push_back(timed("query, " + what, relief, 3000, [&](int k) {
-      const Pose& pose = poses[static_cast<std::size_t>(k) % poses.size()];
-      sink = sink + static_cast<double>(contact::curved_contacts(relief, body, pose, 0.001).count);
+      const Pose& pose = poses[std::size_t(k) % poses.size()];
+      sink = sink + double(contact::curved_contacts(relief, body, pose, 0.001).count);
     }));
   };
   ask("sphere", contact::Sphere{0.05});

@@ -1,4 +1,4 @@
-// What a haptic tick costs and what energy it makes: bench_haptics [--json] [SIZE...], sizes in texels a
+// Cost of a haptic tick, and the energy it generates: bench_haptics [--json] [SIZE...], sizes in texels a
 // side, 512 and 4096 by default.
 //
 // A tip slides over the built-in brick (1 m, 2 cm deep; above 1024 x 1024 bicubically upsampled from there),
@@ -116,16 +116,16 @@ void measure(int size, std::vector<Row>& rows) {
   Proxy proxy;
   int samples = 0;
   rows.push_back(timed(size, "proxy alone", ticks, 32, [&](int k) {
-    const auto c = proxy.move(slab, path[static_cast<std::size_t>(k)], ContactStiffness::felt(800), 0.3);
+    const auto c = proxy.move(slab, path[std::size_t(k)], ContactSprings::for_felt_stiffness(800), 0.3);
     samples += c.samples;
     return c.force.y();
   }));
-  rows.push_back({size, "samples of the relief a tick", static_cast<double>(samples) / ticks, 0, 0, ""});
+  rows.push_back({size, "samples of the relief a tick", double(samples) / ticks, 0, 0, ""});
   if (size > 512) return;
   const bench::TriangleProxy mesh(*s);
   bench::TriangleProxy::State state;
   rows.push_back(timed(size, fmt::format("finger proxy on {} triangles", mesh.triangle_count()), ticks, 32,
-                       [&](int k) { return mesh.move(state, path[static_cast<std::size_t>(k)], 800).y(); }));
+                       [&](int k) { return mesh.move(state, path[std::size_t(k)], 800).y(); }));
 }
 
 // How far the proxy is from where it would settle, in newtons.
@@ -133,7 +133,7 @@ void measure_convergence(std::vector<Row>& rows) {
   const auto s = brick(512, 1);
   const auto path = sliding_path(*s, 50000);
   const TexturedSlab slab(s, {});
-  const auto k = ContactStiffness::felt(800);
+  const auto k = ContactSprings::for_felt_stiffness(800);
   Proxy proxy;
   std::vector<double> off;
   for (const Vec3& x : path) {
@@ -149,7 +149,7 @@ void measure_convergence(std::vector<Row>& rows) {
 void measure_energy(std::vector<Row>& rows) {
   const auto s = brick(512, 0.1);
   const TexturedSlab slab(s, {Representation::relief, 0.001, 0.02});
-  const auto k = ContactStiffness::felt(800);
+  const auto k = ContactSprings::for_felt_stiffness(800);
   const bench::TriangleProxy mesh(*s);
   std::vector<double> ours, rubbing, plane, literal, finger;
   Random random(7);

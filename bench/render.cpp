@@ -1,4 +1,4 @@
-// What a picture costs and how true it is: bench_render [--json] [TEXELS].
+// Cost and accuracy of a picture: bench_render [--json] [TEXELS].
 //
 // The texture is the built-in brick, 1 m a side and 2 cm deep, 512 x 512 unless TEXELS says otherwise. One
 // renderer for each way of drawing it, the same cameras (from above, from aside, grazing), in turn in one
@@ -68,7 +68,7 @@ Way way(std::string name, RendererOptions options, March march, int shadow_steps
         Representation representation = Representation::relief) {
   options.march = march;
   options.shadow_steps = shadow_steps;
-  options.mesh_cells = mesh_cells;
+  options.displaced_mesh_cells = mesh_cells;
   return {std::move(name), options, representation};
 }
 

@@ -71,7 +71,7 @@ class Load {
 struct Row {
   double rate;
   std::string what;
-  const Lateness* times;
+  const LatencyHistogram* times;
 };
 
 void print(const Row& row, bool json, bool last) {
@@ -80,11 +80,11 @@ void print(const Row& row, bool json, bool last) {
     fmt::print(
         "  {{\"rate\": {}, \"what\": \"{}\", \"ticks\": {}, \"p50_us\": {:.4g}, \"p99_us\": {:.4g}, \"p999_us\": {:.4g}, "
         "\"most_us\": {:.4g}}}{}\n",
-        row.rate, row.what, row.times->count(), us(0.5), us(0.99), us(0.999), 1e6 * row.times->most(),
+        row.rate, row.what, row.times->count(), us(0.5), us(0.99), us(0.999), 1e6 * row.times->max(),
         last ? "" : ",");
   } else {
     fmt::print("{:>6} {:<16}{:>9}{:>10.1f}{:>10.1f}{:>10.1f}{:>11.1f}\n", row.rate, row.what,
-               row.times->count(), us(0.5), us(0.99), us(0.999), 1e6 * row.times->most());
+               row.times->count(), us(0.5), us(0.99), us(0.999), 1e6 * row.times->max());
   }
 }
 
@@ -112,7 +112,7 @@ void measure(const std::shared_ptr<const surface::Surface>& surface, double rate
   print({rate, "wake-up", &loop.wake_up()}, json, false);
   print({rate, "compute", &loop.compute()}, json, last);
   if (!json)
-    fmt::print("       {}; {} ticks left out, {} faults seen\n", loop.priority(), loop.left_out(), faults);
+    fmt::print("       {}; {} ticks left out, {} faults seen\n", loop.priority(), loop.skipped_ticks(), faults);
   std::fflush(stdout);
 }
 

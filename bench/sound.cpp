@@ -57,7 +57,7 @@ std::vector<Resonator> some_modes(int count) {
 std::vector<float> noise(int count, std::uint64_t seed) {
   Random random(seed);
   std::vector<float> out;
-  for (int k = 0; k < count; ++k) out.push_back(static_cast<float>(random.uniform(-1, 1)));
+  for (int k = 0; k < count; ++k) out.push_back(float(random.uniform(-1, 1)));
   return out;
 }
 

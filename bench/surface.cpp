@@ -1,4 +1,4 @@
-// What the surface's queries cost: bench_surface [--json] [SIZE...], sizes in texels a side, 256 to 8192 by
+// Cost of the surface's queries: bench_surface [--json] [SIZE...], sizes in texels a side, 256 to 8192 by
 // default.
 //
 // The texture is the built-in brick, 1 m a side and 2 cm deep, up to 1024 x 1024 as generated and above that
@@ -120,9 +120,9 @@ double pyramid_milliseconds(const Surface& s) {
 void measure(int size, std::vector<Row>& rows) {
   const Surface s = brick(size);
   const Poses p(s, 20000);
-  const auto n = static_cast<int>(p.uv.size());
+  const auto n = int(p.uv.size());
   const double texel = s.texel_u();
-  const auto at = [](int k) { return static_cast<std::size_t>(k); };
+  const auto at = [](int k) { return std::size_t(k); };
   const auto add = [&](const std::string& what, int count, const std::function<double(int)>& query) {
     rows.push_back(timed(size, what, count, query));
   };
@@ -155,7 +155,7 @@ void measure(int size, std::vector<Row>& rows) {
   add("closest_point, random", n, [&](int k) { return closest_point(s, p.random[at(k)])->distance; });
   add("closest_features, sphere", n, [&](int k) {
     std::array<Feature, 4> features;
-    return static_cast<double>(closest_features(s, p.sphere[at(k)], p.radius[at(k)] + 0.002, 0.35, features));
+    return double(closest_features(s, p.sphere[at(k)], p.radius[at(k)] + 0.002, 0.35, features));
   });
   add("ray hit", n, [&](int k) {
     const auto hit = intersect(s, p.origin[at(k)], p.direction[at(k)], 0, 10);
@@ -167,7 +167,7 @@ void measure(int size, std::vector<Row>& rows) {
   rows.push_back({size, "brute force / closest_point", ratio, ratio, ""});
   const double build = pyramid_milliseconds(s);
   rows.push_back({size, "pyramid built", build, build, "ms"});
-  const double bytes = static_cast<double>(s.memory_bytes() - s.colour().data.size());
+  const double bytes = double(s.memory_bytes() - s.colour().data.size());
   rows.push_back({size, "memory without colour", bytes / 1048576, bytes / 1048576, "MiB"});
   rows.push_back({size, "memory, bytes a texel", bytes / size / size, bytes / size / size, ""});
 }

@@ -24,7 +24,7 @@ class TriangleProxy {
   explicit TriangleProxy(const surface::Surface& surface) : surface_(surface) {}
 
   std::size_t triangle_count() const {
-    return 2 * static_cast<std::size_t>(surface_.width()) * static_cast<std::size_t>(surface_.height());
+    return 2 * std::size_t(surface_.width()) * std::size_t(surface_.height());
   }
 
   // Force on the hand at the tip x (world), N.

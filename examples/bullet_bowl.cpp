@@ -5,34 +5,12 @@
 //
 // Prints where the bodies are, every half second; fails when one of them is not where it can be.
 #include <btBulletDynamicsCommon.h>
-#include <fmt/format.h>
+#include <intaglio/bullet.h>
 
+#include <cstdio>
+#include <iostream>
 #include <memory>
 #include <vector>
-
-#include "dynamics/textured_shape.h"
-#include "mesh/triangle_mesh.h"
-#include "surface/import.h"
-
-using namespace intaglio::surface;
-
-namespace {
-
-// (1) A surface on a mesh: here a built-in one, the texture `times` around; read_mesh() reads yours.
-intaglio::Result<ReliefMesh> bricks_on(TriangleMesh mesh, std::shared_ptr<const Surface> bricks,
-                                       double times) {
-  for (intaglio::Vec2& uv : mesh.uvs) uv.x() *= times;
-  auto base = MeshPlacement::make(std::move(mesh));
-  if (!base) return tl::unexpected(base.error());
-  return ReliefMesh::make(std::move(bricks), std::move(*base));
-}
-
-std::shared_ptr<const Surface> bricks(double side, double depth) {
-  const Placement placement({0, 0, 0}, intaglio::Quat::Identity(), side, side);
-  return std::make_shared<const Surface>(to_texels(make_brick({})), placement, depth, Edge::wrap);
-}
-
-}  // namespace
 
 int main() {
   btDefaultCollisionConfiguration configuration;
@@ -42,18 +20,22 @@ int main() {
   btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
   world.getSolverInfo().m_splitImpulsePenetrationThreshold = 0;
 
-  // (2) Bullet learns to meet textured shapes.
-  intaglio::dynamics::register_algorithms(dispatcher);
+  // (1) Bullet learns to meet textured shapes.
+  intaglio::bullet::enable(dispatcher);
 
-  // (3) Their shapes: a bowl of 1 m radius, its bricks 1 cm deep; a ball of 20 cm, 3 mm deep; a floor.
-  const auto bowl_relief = bricks_on(make_bowl(1, 128, 64), bricks(1, 0.01), 4);
-  const auto ball_relief = bricks_on(make_sphere(0.2, 96, 48), bricks(1, 0.003), 2);
-  if (!bowl_relief || !ball_relief) {
-    fmt::print("{}\n", (bowl_relief ? ball_relief : bowl_relief).error().message());
+  // (2) Surfaces on meshes, the texture so many times around: a bowl of 1 m radius, its bricks 1 cm deep, and a ball of
+  // 20 cm, 3 mm deep; load_mesh() reads your own meshes. And a floor.
+  using namespace intaglio;
+  const auto bowl = CurvedSurface::load("brick", repeated(bowl_mesh(1, 128, 64), {4, 1}), {.depth = 0.01});
+  const auto ball = CurvedSurface::load("brick", repeated(sphere_mesh(0.2, 96, 48), {2, 1}), {.depth = 0.003});
+  const auto ground = Surface::load("brick", {.size = {2, 2}, .depth = 0.01});
+  if (!bowl || !ball || !ground) {
+    std::cerr << (!bowl ? bowl.error() : !ball ? ball.error() : ground.error()) << '\n';
     return 1;
   }
-  intaglio::dynamics::CurvedShape bowl_shape(*bowl_relief), brick_ball(*ball_relief);
-  intaglio::dynamics::TexturedShape floor_shape(bricks(2, 0.01));
+
+  // (3) Their shapes.
+  bullet::SurfaceShape bowl_shape(*bowl), brick_ball(*ball), floor_shape(*ground);
 
   std::vector<std::unique_ptr<btRigidBody>> bodies;
   const auto add = [&](btScalar mass, btCollisionShape& shape, const btVector3& at) -> btRigidBody& {
@@ -78,12 +60,12 @@ int main() {
   for (int step = 0; step <= 480; ++step) {
     world.stepSimulation(1.0f / 120, 0);
     if (step % 60 != 0) continue;
-    fmt::print("{:4.1f} s ", step / 120.0);
+    std::printf("%4.1f s ", step / 120.0);
     for (const btRigidBody* body : shown) {
       const btVector3& at = body->getWorldTransform().getOrigin();
-      fmt::print("   {:6.3f} {:6.3f} {:6.3f}", at.x(), at.y(), at.z());
+      std::printf("   %6.3f %6.3f %6.3f", double(at.x()), double(at.y()), double(at.z()));
     }
-    fmt::print("\n");
+    std::printf("\n");
   }
   int lost = 0;
   for (std::size_t k = 0; k + 1 < shown.size(); ++k)

@@ -4,13 +4,12 @@
 //
 // Prints where the bodies are, every half second; fails when one of them went through the floor.
 #include <btBulletDynamicsCommon.h>
-#include <fmt/format.h>
+#include <intaglio/bullet.h>
 
+#include <cstdio>
+#include <iostream>
 #include <memory>
 #include <vector>
-
-#include "dynamics/textured_shape.h"
-#include "surface/import.h"
 
 int main() {
   btDefaultCollisionConfiguration configuration;
@@ -20,15 +19,17 @@ int main() {
   btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
 
   // (1) Bullet learns to meet textured shapes.
-  intaglio::dynamics::register_algorithms(dispatcher);
+  intaglio::bullet::enable(dispatcher);
 
-  // (2) A surface: here the built-in bricks, 4 m a side and 8 cm deep; surface::import_texture reads yours.
-  using namespace intaglio::surface;
-  const Placement placement({0, 0, 0}, intaglio::Quat::Identity(), 4, 4);
-  const auto bricks = std::make_shared<const Surface>(to_texels(make_brick({})), placement, 0.08, Edge::wrap);
+  // (2) A surface: here the built-in bricks, 4 m a side and 8 cm deep.
+  const auto bricks = intaglio::Surface::load("brick", {.size = {4, 4}, .depth = 0.08});
+  if (!bricks) {
+    std::cerr << bricks.error() << '\n';
+    return 1;
+  }
 
   // (3) Its shape, for a static body like any other.
-  intaglio::dynamics::TexturedShape floor_shape(bricks);
+  intaglio::bullet::SurfaceShape floor_shape(*bricks);
   btRigidBody floor(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &floor_shape));
   world.addRigidBody(&floor);
 
@@ -61,13 +62,13 @@ int main() {
   for (int step = 0; step <= 180; ++step) {
     world.stepSimulation(1.0f / 60, 0);
     if (step % 30 != 0) continue;
-    fmt::print("{:4.1f} s ", step / 60.0);
+    std::printf("%4.1f s ", step / 60.0);
     for (const auto& body : bodies) {
       const btVector3& at = body->getWorldTransform().getOrigin();
-      fmt::print("  {:9} {:6.3f} m", body->getCollisionShape()->getName(), at.y());
+      std::printf("  %-9s %6.3f m", body->getCollisionShape()->getName(), double(at.y()));
       if (step == 180 && at.y() < 0) ++lost;
     }
-    fmt::print("\n");
+    std::printf("\n");
   }
   for (const auto& body : bodies) world.removeRigidBody(body.get());
   world.removeRigidBody(&floor);

@@ -9,12 +9,16 @@
 
 using namespace intaglio::surface;
 
-// What users may decode is too slow to fuzz with.
+// The limits for users are too slow for fuzzing.
 constexpr ImageLimits limits{2048, 1u << 18};
 
-static void require(bool condition) {
+namespace {
+
+void require(bool condition) {
   if (!condition) std::abort();
 }
+
+}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto image = DECODE({data, size}, "fuzz", limits);

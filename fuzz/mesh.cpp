@@ -1,5 +1,5 @@
-// Any bytes as a mesh file, as OBJ, glTF and STL: a sound mesh or one clear error on one line, and any small
-// sound mesh can be placed and asked.
+// Any bytes as a mesh file, as OBJ, glTF and STL: a valid mesh or one clear error on one line, and any small
+// valid mesh can be placed and queried.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -10,7 +10,9 @@
 using namespace intaglio;
 using namespace intaglio::surface;
 
-static void ask(const TriangleMesh& mesh) {
+namespace {
+
+void query(const TriangleMesh& mesh) {
   if (mesh.triangles.size() > 1000) return;
   const auto placement = MeshPlacement::make(mesh, "fuzz");
   if (!placement) std::abort();  // it was checked already
@@ -24,11 +26,13 @@ static void ask(const TriangleMesh& mesh) {
   static_cast<void>(placement->check_depth(1));
 }
 
-static void examine(const Result<TriangleMesh>& mesh) {
-  if (mesh) return ask(*mesh);
+void examine(const Result<TriangleMesh>& mesh) {
+  if (mesh) return query(*mesh);
   const std::string message = mesh.error().message();
   if (message.find('\n') != std::string::npos || message.find("fuzz") != 0) std::abort();
 }
+
+}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   examine(parse_obj({reinterpret_cast<const char*>(data), size}, "fuzz"));

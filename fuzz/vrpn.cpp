@@ -1,5 +1,5 @@
-// Any bytes as what a VRPN peer sends: cookie, then frames, and as a datagram. What is believed is within its
-// limits and encodes to the bytes it came from; a plane that is believed gives a finite force.
+// Any bytes as a VRPN peer's stream (cookie, then frames) and as a datagram. Accepted messages are within
+// their limits and encode to the bytes they came from; an accepted plane gives a finite force.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
@@ -12,15 +12,17 @@
 using namespace intaglio;
 using namespace intaglio::haptics::vrpn;
 
-static void require(bool holds) {
+namespace {
+
+void require(bool holds) {
   if (!holds) std::abort();
 }
 
-static bool same(View a, View b) {
+bool same(View a, View b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end());
 }
 
-static void learn(const Message& message, PeerNames& names) {
+void learn(const Message& message, PeerNames& names) {
   const auto name = decode_name(message.payload);
   if (!name) return;
   require(!name->empty() && name->size() < name_limit);
@@ -28,22 +30,22 @@ static void learn(const Message& message, PeerNames& names) {
   if (message.type == type_description) names.learn_type(message.sender, *name);
 }
 
-static void feel(Type type, View payload) {
-  AskedForce asked({1000, 1000});
+void check_force(Type type, View payload) {
+  RequestedForce requested({1000, 1000});
   if (type == Type::plane)
-    if (const auto plane = decode_plane(payload)) asked.set(*plane);
+    if (const auto plane = decode_plane(payload)) requested.set(*plane);
   if (type == Type::force_field)
-    if (const auto field = decode_force_field(payload)) asked.set(*field);
+    if (const auto field = decode_force_field(payload)) requested.set(*field);
   const Vec3 x(0.01, -0.02, 0.03);
-  require(asked.newtons(x, {0.1, 0.2, -0.3}).allFinite());
-  if (const auto contact = asked.contact(x)) require(contact->allFinite());
+  require(requested.newtons(x, {0.1, 0.2, -0.3}).allFinite());
+  if (const auto contact = requested.contact(x)) require(contact->allFinite());
 }
 
-static void examine(const Message& message, PeerNames& names) {
+void examine(const Message& message, PeerNames& names) {
   require(message.payload.size() <= message_limit - header_size);
   if (message.type < 0) {
     learn(message, names);
-    sound_log_description(message.payload);
+    is_valid_log_description(message.payload);
     const auto again = reencode_system(message.type, message.payload);
     if (again) require(same(*again, message.payload));
     return;
@@ -51,7 +53,7 @@ static void examine(const Message& message, PeerNames& names) {
   names.sender(message.sender);
   const auto type = names.type(message.type);
   // Known by name, or by number: the fuzzer need not find a description first.
-  const Type taken = type.value_or(static_cast<Type>(message.type % static_cast<int>(type_names.size())));
+  const Type taken = type.value_or(static_cast<Type>(message.type % int(type_names.size())));
   const auto again = reencode(taken, message.payload);
   // The bytes after a sensor, and after a text's end, have no meaning.
   const bool loose = taken == Type::pos_quat || taken == Type::velocity || taken == Type::acceleration;
@@ -59,13 +61,13 @@ static void examine(const Message& message, PeerNames& names) {
     require(again->size() == message.payload.size());
     if (!loose) require(same(*again, message.payload));
   }
-  feel(taken, message.payload);
+  check_force(taken, message.payload);
 }
 
-static void examine_stream(View bytes) {
+void examine_stream(View bytes) {
   Framer framer;
   PeerNames names;
-  // As the network cuts it: in pieces of uneven size.
+  // In pieces of uneven size, as the network cuts it.
   for (std::size_t at = 0, piece = 1; at < bytes.size(); piece = piece * 7 % 1459 + 1) {
     const View cut = bytes.subspan(at, std::min(piece, bytes.size() - at));
     framer.feed(cut);
@@ -75,6 +77,8 @@ static void examine_stream(View bytes) {
   }
 }
 
+}  // namespace
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const View bytes(data, size);
   if (size >= cookie_size && read_cookie(bytes.first(cookie_size)).match != CookieMatch::not_vrpn)
@@ -82,7 +86,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   else
     examine_stream(bytes);
   if (const auto request = decode_dial_request(bytes)) {
-    require(sound_port(request->port) && !request->host.empty());
+    require(is_valid_port(request->port) && !request->host.empty());
     require(request->host.find_first_not_of(
                 "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789.") == std::string::npos);
   }

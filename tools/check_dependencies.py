@@ -32,10 +32,13 @@ ALLOWED = {
 # The library that defines what a public header, include/intaglio/<name>.h, declares. Public headers include only public ones of
 # libraries that theirs may include, the standard library and the few in PUBLIC_LIBRARIES.
 PUBLIC = {
-    "vec": "core", "error": "core", "event": "core", "representation": "core", "material": "core", "image": "core",
-    "contact_point": "contact", "shape": "contact",
+    "version": "core", "vec": "core", "error": "core", "event": "core", "representation": "core", "material": "core", "image": "core",
+    "surface": "surface", "triangle_mesh": "mesh", "mesh": "mesh", "contact_point": "contact", "contact": "contact",
+    "shape": "core", "solid": "contact", "bullet": "dynamics", "world": "dynamics", "haptics": "haptics", "vrpn": "haptics/vrpn",
+    "sound": "sound", "audio": "sound/audio", "bake": "sound/bake", "render": "render", "scene": "scene",
+    "session": "session", "report": "report",
 }
-PUBLIC_LIBRARIES = {"vec": ("Eigen/", "arm_neon.h"), "error": ("tl/",)}
+PUBLIC_LIBRARIES = {"bullet": ("btBulletCollisionCommon.h",), "vec": ("Eigen/", "arm_neon.h"), "error": ("tl/",)}
 FOLDERS = sorted(ALLOWED, key=len, reverse=True)
 
 # Headers that expose texels or decode images; only surface/ may include them.

@@ -38,14 +38,14 @@ double seconds(clockid_t clock) {
   return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
 }
 
-// Wall and processor seconds since it was made.
+// Wall and processor seconds since construction.
 struct Stopwatch {
   double wall = seconds(CLOCK_MONOTONIC), cpu = seconds(CLOCK_PROCESS_CPUTIME_ID);
   double wall_s() const { return seconds(CLOCK_MONOTONIC) - wall; }
   double cpu_s() const { return seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu; }
 };
 
-// What to fill, and how many vertices its surface has.
+// The elements of a body.
 struct Body {
   sound::FilledSurface filled;
   std::size_t surface_vertices = 0;
@@ -62,18 +62,19 @@ std::size_t surface_nodes(const sound::TetMesh& mesh) {
   return nodes.size();
 }
 
-// A body that somebody could hear, `side` m along its longest axis.
+// Checks that the longest side, m, is plausible.
 Result<void> check_size(double side, const BakeArguments& options) {
   constexpr double smallest = 1e-4, largest = 1000;  // m
   if (!(side >= smallest && side <= largest))
     return fail(
         options.mesh, fmt::format("is {:.3g} m long", side),
-        fmt::format("a body must be between {} m and {} m; --scale gives the metres in a unit of the file",
+        fmt::format("a body must be between {} m and {} m long; --scale gives the metres per file unit",
                     smallest, largest));
   if (options.thickness > side)
-    return fail(options.mesh,
-                fmt::format("is {:.3g} m long, and a shell of {:g} m is thicker", side, options.thickness),
-                "give a lesser --thickness, in metres");
+    return fail(
+        options.mesh,
+        fmt::format("is {:.3g} m long, less than the shell's thickness of {:g} m", side, options.thickness),
+        "give a smaller --thickness, in metres");
   return {};
 }
 
@@ -114,13 +115,13 @@ Result<Body> make_elements(const BakeArguments& options, const Material& materia
   return Body{std::move(*filled), surface->points.size(), {}};
 }
 
-// What the dense method would need for K alone: three degrees of freedom a surface vertex, in doubles.
+// Memory of a dense K: three degrees of freedom a surface vertex, in doubles.
 double dense_gigabytes(std::size_t vertices) {
   return 8.0 * std::pow(3.0 * double(vertices), 2) / std::pow(1024.0, 3);
 }
 
-// Of the modes as they were found.
-struct Found {
+// The modes before merging.
+struct UnmergedModes {
   std::vector<double> frequencies, decay_rates;
 };
 
@@ -130,7 +131,7 @@ std::vector<double> in_hertz(const std::vector<double>& angular) {
   return hertz;
 }
 
-nlohmann::json as_json(const Found& found, const sound::ModalModel& model, const Body& body,
+nlohmann::json as_json(const UnmergedModes& found, const sound::ModalModel& model, const Body& body,
                        const Costs& costs) {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -159,7 +160,7 @@ nlohmann::json as_json(const Found& found, const sound::ModalModel& model, const
           {"peak_memory_mb", double(usage.ru_maxrss) / 1024}};
 }
 
-void summarise(const nlohmann::json& result, const BakeArguments& options) {
+void print_summary(const nlohmann::json& result, const BakeArguments& options) {
   for (const auto& note : result["notes"]) fmt::print("{}: {}\n", options.mesh, note.get<std::string>());
   const auto& f = result["frequencies"];
   fmt::print("{}: {} modes, {:.1f} to {:.1f} Hz, of {} elements ({} nodes); {:.3g} kg; residual {:.1e}\n",
@@ -167,8 +168,8 @@ void summarise(const nlohmann::json& result, const BakeArguments& options) {
              result["elements"].get<int>(), result["nodes"].get<int>(), result["mass"].get<double>(),
              result["residual"].get<double>());
   if (const auto kept = result["model_frequencies"].size(); kept < f.size())
-    fmt::print("merged to {} that sound alike: bands within {:.2f} dB, root mean square {:.2f} dB\n", kept,
-               result["merge_error_db"].get<double>(), result["merge_error_rms_db"].get<double>());
+    fmt::print("merged to {} perceptually equal modes: bands within {:.2f} dB, root mean square {:.2f} dB\n",
+               kept, result["merge_error_db"].get<double>(), result["merge_error_rms_db"].get<double>());
   fmt::print(
       "{:.1f} s ({:.1f} s of them for the mesh), {:.1f} CPU-s, {:.0f} MB (a dense matrix over {} surface "
       "vertices: {:.3g} GB)\n",
@@ -184,14 +185,15 @@ int run(const BakeArguments& options, const Common& common) {
   if (auto named = check_named(options.output, ".modes", "a model"); !named) return report(named.error());
   if (auto writable = check_writable(options.output); !writable) return report(writable.error());
   if (options.thickness > 0 && sound::is_solid_shape(options.mesh))
-    return report({options.mesh, "is a solid shape and takes no --thickness", "a mesh of a surface does"});
+    return report(
+        {options.mesh, "built-in shapes are solid and take no --thickness", "--thickness is for mesh files"});
   if (options.mesher != "auto" && sound::is_solid_shape(options.mesh))
-    return report({options.mesh, "is a built-in shape, of structured elements, and takes no --mesher",
-                   "a mesh of a file does"});
+    return report({options.mesh, "built-in shapes have structured elements and take no --mesher",
+                   "--mesher is for mesh files"});
   if (options.scale != 1 && sound::is_solid_shape(options.mesh))
-    return report({options.mesh, "is a built-in shape in metres and takes no --scale", "give its sizes"});
+    return report({options.mesh, "built-in shapes are in metres and take no --scale", "give the sizes"});
   if (options.shell == "springs" && !(options.thickness > 0))
-    return report({options.mesh, "a spring-mass shell has a thickness", "give --thickness METRES"});
+    return report({options.mesh, "a spring-mass shell needs a thickness", "give --thickness METRES"});
   const auto source = source_hash(options, *material);
   if (!source) return report(source.error());
   Progress progress("bake", common.quiet);
@@ -212,11 +214,11 @@ int run(const BakeArguments& options, const Common& common) {
   if (!model) return report({options.mesh, model.error().message(), ""});
   if (model->modes() == 0) {
     return report(
-        {options.mesh, fmt::format("no mode rings between 20 Hz and {:.0f} Hz", options.max_frequency),
-         "a small or stiff body rings higher (--max-frequency), a well damped one not at all; a mesh in "
+        {options.mesh, fmt::format("no mode between 20 Hz and {:.0f} Hz", options.max_frequency),
+         "try a larger --max-frequency for a small or stiff body; an overdamped body has no modes; a mesh in "
          "millimetres needs --scale 0.001"});
   }
-  const Found found{in_hertz(model->angular_frequency), model->damping};
+  const UnmergedModes found{in_hertz(model->angular_frequency), model->damping};
   sound::merge_modes(*model, options.merge_db);
   costs.modes_s = all.wall_s() - costs.mesh_s;
   if (auto written = sound::write_model(options.output, *model); !written) return report(written.error());
@@ -225,18 +227,55 @@ int run(const BakeArguments& options, const Common& common) {
   costs.cpu_s = all.cpu_s();
   const nlohmann::json result = as_json(found, *model, *body, costs);
   if (options.json) {
-    fmt::print("{}\n", result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    print_json(result);
   } else if (!common.quiet) {
-    summarise(result, options);
+    print_summary(result, options);
   }
   return 0;
+}
+
+// Options of the mesh and of the analysis.
+void add_model_options(CLI::App& verb, BakeArguments& options) {
+  verb.add_option("--modes", options.modes, "Maximum number of modes")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  verb.add_option("--max-frequency", options.max_frequency, "Hz; modes above are dropped")
+      ->check(CLI::Range(100.0, 1e6))
+      ->capture_default_str();
+  verb.add_option("--elements", options.elements, "Approximate upper limit on tetrahedra")
+      ->check(CLI::Range(100, 1'000'000))
+      ->capture_default_str();
+  verb.add_option("--element-size", options.element_size,
+                  "Element size, metres; default: 1/4 of the shortest wavelength (1/5 for thin bodies)")
+      ->check(CLI::Range(1e-5, 10.0));
+  verb.add_option("--nodes", options.nodes, "Nodes per element: 10 (quadratic) or 4 (linear; pitch too high)")
+      ->check(CLI::IsMember({4, 10}))
+      ->capture_default_str();
+  verb.add_option("--thickness", options.thickness,
+                  "Shell thickness, metres: the mesh is the middle surface of a shell, open or closed")
+      ->check(CLI::Range(1e-5, 10.0));
+  verb.add_option("--shell", options.shell, "Model of a shell: solid elements, or the paper's springs")
+      ->check(CLI::IsMember({"solid", "springs"}))
+      ->capture_default_str();
+  verb.add_option(
+          "--merge", options.merge_db,
+          "Merge indistinguishable modes, changing no auditory band by more than this many dB; 0 disables")
+      ->check(CLI::Range(0.0, 20.0))
+      ->capture_default_str();
+  verb.add_option(
+          "--mesher", options.mesher,
+          "Tetrahedral mesher: lattice (any mesh), netgen (clean closed meshes; keeps sharp edges), or auto")
+      ->check(CLI::IsMember({"lattice", "netgen", "auto"}))
+      ->capture_default_str();
+  verb.add_option("--scale", options.scale, "Metres per file unit")
+      ->check(CLI::Range(1e-6, 1e6))
+      ->capture_default_str();
 }
 
 }  // namespace
 
 void add_bake(CLI::App& app, Common& common) {
-  CLI::App* verb =
-      app.add_subcommand("bake", "A body into the modes that it rings with: modal analysis of any mesh");
+  CLI::App* verb = app.add_subcommand("bake", "Compute a body's vibration modes (modal analysis of a mesh)");
   auto options = std::make_shared<BakeArguments>();
   verb->add_option("MESH", options->mesh,
                    "A file (.obj .stl .gltf .glb, metres) or a shape: sphere:r=0.05  box:x=0.3,y=0.01,z=0.2  "
@@ -244,54 +283,20 @@ void add_bake(CLI::App& app, Common& common) {
   auto* material =
       verb->add_option("--material", options->material, "A built-in name, or a TOML file (docs/bake.md)");
   verb->add_option("-o,--output", options->output, "The model; with --all or --scene a folder")->required();
-  auto* all =
-      verb->add_option("--all", options->all, "Every mesh in this folder and below; skips what is done")
-          ->excludes("MESH");
+  auto* all = verb->add_option("--all", options->all,
+                               "Bake every mesh in this folder and below; skips up-to-date models")
+                  ->excludes("MESH");
   verb->add_option("--scene", options->scene,
-                   "Every model that this scene sounds with, into the folder -o: `models` beside the scene "
-                   "is where it looks first")
+                   "Bake every model that this scene sounds with into the folder -o; scenes look in `models` "
+                   "beside them first")
       ->excludes("MESH")
       ->excludes(all)
       ->excludes(material);
-  verb->add_option("-j,--jobs", options->jobs, "Bakes at once, with --all")
+  verb->add_option("-j,--jobs", options->jobs, "Parallel bakes, with --all")
       ->check(CLI::Range(1, 1000))
       ->needs(all)
       ->capture_default_str();
-  verb->add_option("--modes", options->modes, "At most so many")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  verb->add_option("--max-frequency", options->max_frequency, "Hz; higher modes are left out")
-      ->check(CLI::Range(100.0, 1e6))
-      ->capture_default_str();
-  verb->add_option("--elements", options->elements, "At most about so many tetrahedra")
-      ->check(CLI::Range(100, 1'000'000))
-      ->capture_default_str();
-  verb->add_option("--element-size", options->element_size,
-                   "Metres; by default a quarter of the shortest wave that is wanted, of thin bodies a fifth")
-      ->check(CLI::Range(1e-5, 10.0));
-  verb->add_option("--nodes", options->nodes, "Of an element: 10 (quadratic) or 4 (linear, sharp in pitch)")
-      ->check(CLI::IsMember({4, 10}))
-      ->capture_default_str();
-  verb->add_option("--thickness", options->thickness,
-                   "Metres: the mesh is the middle surface of a shell, open or closed")
-      ->check(CLI::Range(1e-5, 10.0));
-  verb->add_option("--shell", options->shell,
-                   "What a shell is made of: solid elements, or the paper's springs")
-      ->check(CLI::IsMember({"solid", "springs"}))
-      ->capture_default_str();
-  verb->add_option(
-          "--merge", options->merge_db,
-          "Modes that no listener tells apart become one while no auditory band changes by more dB; 0: none")
-      ->check(CLI::Range(0.0, 20.0))
-      ->capture_default_str();
-  verb->add_option(
-          "--mesher", options->mesher,
-          "What fills a mesh: lattice (any mesh), netgen (a clean closed one; keeps sharp edges), or auto")
-      ->check(CLI::IsMember({"lattice", "netgen", "auto"}))
-      ->capture_default_str();
-  verb->add_option("--scale", options->scale, "Metres in a unit of the file")
-      ->check(CLI::Range(1e-6, 1e6))
-      ->capture_default_str();
+  add_model_options(*verb, *options);
   verb->add_flag("--json", options->json,
                  "Print frequencies, decay rates, residual, times and memory as JSON");
   verb->footer(
@@ -310,28 +315,28 @@ void add_bake(CLI::App& app, Common& common) {
 
 // intaglio bake --scene SCENE -o DIR
 
-int bake_scene(const BakeArguments& arguments, const Common& common) {
+int bake_scene(const BakeArguments& options, const Common& common) {
   namespace fs = std::filesystem;
-  const auto scene = scene::read_scene(arguments.scene);
+  const auto scene = scene::read_scene(options.scene);
   if (!scene) return report(scene.error());
   const auto surface = scene::make_surface(*scene);
   if (!surface) return report(surface.error());
   std::error_code error;
-  fs::create_directories(arguments.output, error);
-  if (error || !fs::is_directory(arguments.output))
-    return report({arguments.output, "is not a folder, and cannot be made one", "give -o another name"});
-  const auto voices = scene::bake_voices(*scene, *surface, {arguments.output, nullptr, ""});
+  fs::create_directories(options.output, error);
+  if (error || !fs::is_directory(options.output))
+    return report({options.output, "is not a folder and cannot be created", "give -o another name"});
+  const auto voices = scene::bake_voices(*scene, *surface, {options.output, nullptr, ""});
   if (!voices) return report(voices.error());
   nlohmann::json list = nlohmann::json::array();
   for (const std::string& model : voices->models) {
-    const fs::path file = fs::path(arguments.output) / (model + ".modes");
+    const fs::path file = fs::path(options.output) / (model + ".modes");
     if (!fs::exists(file)) return report({file.string(), "could not be written", "is the disk full?"});
     list.push_back(file.string());
   }
-  if (arguments.json) {
-    fmt::print("{}\n", list.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  if (options.json) {
+    print_json(list);
   } else if (!common.quiet) {
-    fmt::print("{}: {} models, {} of them baked now\n", arguments.output, list.size(), voices->baked);
+    fmt::print("{}: {} models, {} newly baked\n", options.output, list.size(), voices->baked);
   }
   return 0;
 }

@@ -22,10 +22,8 @@ struct Options {
 
 surface::ImportOptions import_options(const Options& options) {
   surface::ImportOptions out;
-  if (!options.green.empty())
-    out.green = options.green == "+Y" ? surface::Green::plus_y : surface::Green::minus_y;
-  if (!options.polarity.empty())
-    out.polarity = options.polarity == "height" ? surface::Polarity::height : surface::Polarity::depth;
+  if (!options.green.empty()) out.green = parse_green(options.green);
+  if (!options.polarity.empty()) out.polarity = parse_polarity(options.polarity);
   if (options.depth >= 0) out.depth_fraction = options.depth;
   out.generated_size = options.size;
   if (options.raw) out.mode = surface::ImportMode::raw;
@@ -38,17 +36,15 @@ void add_import_options(CLI::App& verb, Options& options) {
                   "An image (normal, height or RGBA; PNG, JPEG, TGA, EXR), a folder of them, a built-in name "
                   "(pebbles; docs/materials.md) or a recipe (.toml)")
       ->required();
-  verb.add_option("--size", options.size, "Texels a side, of a texture made from a recipe")
-      ->check(CLI::Range(64, 8192));
-  verb.add_option("--green", options.green, "Sign of the green channel, instead of what is detected")
+  verb.add_option("--size", options.size, "Side of a generated texture, texels")->check(CLI::Range(64, 8192));
+  verb.add_option("--green", options.green, "Sign of the green channel; default: detected")
       ->check(CLI::IsMember({"+Y", "-Y"}));
-  verb.add_option("--polarity", options.polarity, "What white means, instead of what is detected")
+  verb.add_option("--polarity", options.polarity, "Meaning of white; default: detected")
       ->check(CLI::IsMember({"height", "depth"}));
-  verb.add_option("--depth", options.depth,
-                  "Full depth over the side of the tile, instead of what the normals imply")
+  verb.add_option("--depth", options.depth, "Full depth / side of the tile; default: as the normals imply")
       ->check(CLI::Range(0.0, 10.0));
-  verb.add_flag("--raw", options.raw, "Take the maps as they are: no fusion, no implied height");
-  verb.add_flag("--no-tile", options.clamp, "The image does not repeat: its borders need not fit each other");
+  verb.add_flag("--raw", options.raw, "Use the maps unchanged: no fusion, no implied height");
+  verb.add_flag("--no-tile", options.clamp, "Not tileable: opposite borders need not match");
 }
 
 void print_summary(const surface::Inspection& i) {
@@ -57,7 +53,7 @@ void print_summary(const surface::Inspection& i) {
   for (const std::string& warning : i.warnings) fmt::print("  warning: {}\n", warning);
   fmt::print("  full depth {:.2f} % of the side, rms slope {:.3f}, {:.2f} % steep, {:.2f} % near-vertical\n",
              100 * i.depth_fraction, i.rms_slope, 100 * i.steep_fraction, 100 * i.near_vertical_fraction);
-  fmt::print("  best taken as {}: {}\n", i.representation, i.reason);
+  fmt::print("  recommended representation: {} ({})\n", i.representation, i.reason);
 }
 
 int run_inspect(const Options& options, const Common& common) {
@@ -97,8 +93,8 @@ int run_import(const Options& options, const Common& common) {
 }  // namespace
 
 void add_inspect(CLI::App& app, Common& common) {
-  CLI::App* verb = app.add_subcommand(
-      "inspect", "What a texture is like: conventions, depth, slopes, and which representation suits it");
+  CLI::App* verb =
+      app.add_subcommand("inspect", "Report a texture's conventions, depth, slopes and best representation");
   auto options = std::make_shared<Options>();
   add_import_options(*verb, *options);
   verb->add_flag("--json", options->json, "Print everything as one JSON object");
@@ -109,7 +105,7 @@ void add_inspect(CLI::App& app, Common& common) {
 
 void add_import(CLI::App& app, Common& common) {
   CLI::App* verb = app.add_subcommand(
-      "import", "Images into one consistent surface: 16-bit normals and depth, +Y, 0 = top");
+      "import", "Convert images to one consistent surface: 16-bit normals and depth, +Y, 0 = top");
   auto options = std::make_shared<Options>();
   add_import_options(*verb, *options);
   verb->add_option("-o,--output", options->output, "Folder for relief.png and color.png")->required();

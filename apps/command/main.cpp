@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <exception>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,6 +14,7 @@
 
 #include "command/verb.h"
 #include "core/text.h"
+#include "intaglio/version.h"
 
 namespace intaglio::app {
 
@@ -20,11 +23,34 @@ int report(const Error& error) {
   return 1;
 }
 
+void print_json(const nlohmann::json& json) {
+  fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+surface::Green parse_green(const std::string& text) {
+  return text == "+Y" ? surface::Green::plus_y : surface::Green::minus_y;
+}
+
+surface::Polarity parse_polarity(const std::string& text) {
+  return text == "height" ? surface::Polarity::height : surface::Polarity::depth;
+}
+
+std::atomic<bool> interrupted{false};
+static_assert(std::atomic<bool>::is_always_lock_free);  // as a signal handler needs it
+
+void catch_interrupts() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { interrupted = true; };
+  action.sa_flags = SA_RESETHAND | SA_RESTART;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
 namespace {
 
-// The first argument that is, or lists, a number that is not finite. No option means one, and ranges do not
-// see that nan is outside of them.
-std::optional<std::string> unbounded(int argc, char** argv) {
+// The first argument that is, or lists, a number that is not finite. No option accepts one, and CLI::Range
+// lets NaN through.
+std::optional<std::string> non_finite_argument(int argc, char** argv) {
   for (int k = 1; k < argc; ++k) {
     std::string_view rest = argv[k];
     if (rest.starts_with("--")) rest.remove_prefix(std::min(rest.find('='), rest.size() - 1) + 1);
@@ -39,8 +65,8 @@ std::optional<std::string> unbounded(int argc, char** argv) {
   return std::nullopt;
 }
 
-// Which argument, counted from 1, says nothing: "" or --output=, as a shell's variable that is not set leaves
-// them; 0: none. Taken for a folder it would be the working folder.
+// Index, from 1, of the first empty argument, "" or --output=, which an unset shell variable leaves; 0: none.
+// As a folder it would be the working folder.
 int empty_argument(int argc, char** argv) {
   for (int k = 1; k < argc; ++k) {
     const std::string_view word = argv[k];
@@ -49,7 +75,7 @@ int empty_argument(int argc, char** argv) {
   return 0;
 }
 
-// Where a verb is wanted and another word stands: what would be right.
+// The error for an unknown command, with the nearest name.
 std::optional<Error> unknown_verb(const CLI::App& app, int argc, char** argv) {
   const CLI::App* at = &app;
   std::string path = "intaglio";
@@ -65,7 +91,7 @@ std::optional<Error> unknown_verb(const CLI::App& app, int argc, char** argv) {
     if (names.empty()) return std::nullopt;
     if (next == nullptr) {
       const std::string nearest = nearest_name(word, names);
-      return Error{path, fmt::format("there is no verb \"{}\"", word),
+      return Error{path, fmt::format("unknown command \"{}\"", word),
                    nearest.empty() ? fmt::format("one of: {}", fmt::join(names, ", "))
                                    : fmt::format("did you mean \"{}\"?", nearest)};
     }
@@ -80,12 +106,13 @@ std::optional<Error> unknown_verb(const CLI::App& app, int argc, char** argv) {
 }  // namespace intaglio::app
 
 int main(int argc, char** argv) {
+  std::signal(SIGCHLD, SIG_DFL);  // a parent that ignores it would hide how children end
   CLI::App app(
       "Intaglio: one texture decides what is seen, felt, heard and how things move on a surface.\n"
       "Start with:  intaglio run   or, without a screen,  intaglio render scenes/brick.toml -o out/brick.mp4");
   app.name("intaglio");
   app.require_subcommand(1);
-  app.set_version_flag("--version", "intaglio 0.1.0");
+  app.set_version_flag("--version", std::string("intaglio ") + intaglio::version());
   intaglio::app::Common common;
   app.add_flag("-q,--quiet", common.quiet, "No progress bar, no summary; errors only");
   app.fallthrough();
@@ -98,12 +125,12 @@ int main(int argc, char** argv) {
   intaglio::app::add_bake(app, common);
   intaglio::app::add_sound(app, common);
   if (const int empty = intaglio::app::empty_argument(argc, argv); empty > 0) {
-    fmt::print(stderr, "intaglio: argument {} is empty; leave it out, or give what it stands for\n", empty);
+    fmt::print(stderr, "intaglio: argument {} is empty (an unset shell variable?)\n", empty);
     return 2;
   }
-  if (const auto argument = intaglio::app::unbounded(argc, argv)) {
-    fmt::print(stderr, "intaglio: {}: a number must be finite (of a file of that name, say ./{})\n",
-               *argument, *argument);
+  if (const auto argument = intaglio::app::non_finite_argument(argc, argv)) {
+    fmt::print(stderr, "intaglio: {}: not a finite number (for a file of that name, write ./{})\n", *argument,
+               *argument);
     return 2;
   }
   try {

@@ -1,8 +1,6 @@
 // intaglio render SCENE -o OUT.mp4
 #include <fmt/format.h>
 
-#include <atomic>
-#include <csignal>
 #include <cstdlib>
 #include <memory>
 
@@ -14,8 +12,6 @@ namespace intaglio::app {
 
 namespace {
 
-std::atomic<bool> interrupted{false};
-
 struct Options {
   std::string scene;
   std::string output;
@@ -26,22 +22,19 @@ struct Options {
   int threads = 2;
 };
 
-// The command line's wishes on top of the scene file's.
+// Options override the scene file.
 void override_scene(const Options& options, scene::Scene& scene) {
   if (!options.texture.empty()) scene::put_texture(scene.surface, options.texture);
   if (options.representation == "flat") scene.surface.representation = Representation::flat;
   if (options.representation == "normal") scene.surface.representation = Representation::normal;
   if (options.representation == "relief") scene.surface.representation = Representation::relief;
-  if (!options.green.empty())
-    scene.surface.green = options.green == "+Y" ? surface::Green::plus_y : surface::Green::minus_y;
-  if (!options.polarity.empty())
-    scene.surface.polarity =
-        options.polarity == "height" ? surface::Polarity::height : surface::Polarity::depth;
+  if (!options.green.empty()) scene.surface.green = parse_green(options.green);
+  if (!options.polarity.empty()) scene.surface.polarity = parse_polarity(options.polarity);
   if (options.depth >= 0) scene.surface.depth = options.depth;
   if (options.duration > 0) scene.duration = options.duration;
 }
 
-void summarise(const session::Recording& recording, const std::string& output) {
+void print_summary(const session::Recording& recording, const std::string& output) {
   fmt::print("{}\n  {:.1f} s of scene in {:.1f} s; modal analysis {:.1f} CPU-s\n", output, recording.duration,
              recording.wall_s, recording.bake_s);
   for (const std::string& note : recording.notes) fmt::print("  texture: {}\n", note);
@@ -58,24 +51,25 @@ int run(const Options& options, const Common& common) {
   auto scene = scene::read_scene(options.scene);
   if (!scene) return report(scene.error());
   override_scene(options, *scene);
-  // The threads of llvmpipe, before any of ours exists; the user's setting wins.
+  catch_interrupts();
+  // Mesa's llvmpipe draws with as many threads as this says; the user's setting wins. Set before any thread
+  // starts.
   setenv("LP_NUM_THREADS", std::to_string(options.threads > 1 ? options.threads : 0).c_str(), 0);
-  std::signal(SIGINT, [](int) { interrupted = true; });
-  std::signal(SIGTERM, [](int) { interrupted = true; });
   const auto recording =
       report::render(*scene, {options.output, options.threads, common.quiet, &interrupted});
   if (!recording) {
     const int code = report(recording.error());
     return interrupted ? 130 : code;
   }
-  if (!common.quiet) summarise(*recording, options.output);
+  if (!common.quiet) print_summary(*recording, options.output);
   return 0;
 }
 
 }  // namespace
 
 void add_render(CLI::App& app, Common& common) {
-  CLI::App* verb = app.add_subcommand("render", "A scene into a video with sound, offline and deterministic");
+  CLI::App* verb =
+      app.add_subcommand("render", "Render a scene to video with sound (offline, deterministic)");
   auto options = std::make_shared<Options>();
   verb->add_option("SCENE", options->scene, "Scene file (docs/scene.md)")->required();
   verb->add_option("-o,--output", options->output,
@@ -83,19 +77,19 @@ void add_render(CLI::App& app, Common& common) {
       ->required();
   verb->add_option("--surface", options->texture,
                    "Your own texture instead of the scene's: an image (normal, height or RGBA) or a folder");
-  verb->add_option("--representation", options->representation, "How the texture is taken")
+  verb->add_option("--representation", options->representation, "How the texture is interpreted")
       ->check(CLI::IsMember({"flat", "normal", "relief"}));
   verb->add_option("--green", options->green,
                    "Sign of the normal map's green channel (+Y: OpenGL, -Y: DirectX)")
       ->check(CLI::IsMember({"+Y", "-Y"}));
-  verb->add_option("--polarity", options->polarity, "What white means in the height or alpha channel")
+  verb->add_option("--polarity", options->polarity, "Meaning of white in the height or alpha channel")
       ->check(CLI::IsMember({"height", "depth"}));
   verb->add_option("--depth", options->depth, "Full depth of the relief, metres")
       ->check(CLI::Range(0.0, 10.0));
   verb->add_option("--duration", options->duration, "Seconds of scene")->check(CLI::Range(0.1, 3600.0));
   verb->add_option(
           "--threads", options->threads,
-          "1: one thread; 2 or more: pictures are drawn while the senses go on. The result is the same")
+          "1: one thread; 2 or more: frames are drawn in parallel with the simulation. The result is the same")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   verb->footer(

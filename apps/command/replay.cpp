@@ -28,7 +28,7 @@ int run(const Options& options, const Common& common) {
     if (!scene) return report(scene.error());
     const auto replayed = report::replay(*log, *scene);
     if (!replayed) return report(replayed.error());
-    fmt::print("replayed on {}: the largest difference of force is {} N\n", options.scene,
+    fmt::print("replayed on {}: largest force difference {} N\n", options.scene,
                replayed->largest_difference);
     if (!replayed->same_surface) fmt::print("warning: it was recorded on another surface\n");
   }
@@ -42,13 +42,12 @@ int run(const Options& options, const Common& common) {
 }  // namespace
 
 void add_replay(CLI::App& app, Common& common) {
-  CLI::App* verb = app.add_subcommand(
-      "replay", "A recorded session of touch: what was felt, as a plot; felt again on a scene");
+  CLI::App* verb = app.add_subcommand("replay", "Plot a haptic log; replay it on a scene");
   auto options = std::make_shared<Options>();
   verb->add_option("LOG", options->log, "A haptic log (.servo.csv, docs/haptics.md)")->required();
   verb->add_option("--scene", options->scene,
-                   "Feel the same motion on this scene's surface and compare the forces");
-  verb->add_option("-o,--output", options->page, "A page with height and force over time, .html");
+                   "Replay the motion on this scene's surface and compare the forces");
+  verb->add_option("-o,--output", options->page, "A page of height and force over time, .html");
   verb->footer(
       "Example:\n  intaglio replay out/demo/brick.servo.csv --scene scenes/brick.toml -o out/demo/felt.html");
   verb->callback([options, &common] { common.exit_code = run(*options, common); });

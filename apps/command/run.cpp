@@ -1,7 +1,6 @@
 // intaglio run [SCENE]
 #include <fmt/format.h>
 
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -16,8 +15,6 @@ namespace intaglio::app {
 
 namespace {
 
-std::atomic<bool> run_interrupted{false};
-
 struct RunArguments {
   std::string scene, script, device, audio = "default", record_to, surface, shaders;
   int width = 0, height = 0;
@@ -25,7 +22,7 @@ struct RunArguments {
   bool json = false, fresh = false;
 };
 
-// Without a scene: a ball on the brick, as scenes/brick.toml without its scripted pen.
+// The scene of `intaglio run` without a file: balls on brick.
 constexpr const char* first_scene = R"(title = "Brick"
 [surface]
 texture = "brick"
@@ -44,66 +41,65 @@ material = "glass"
 position = [0.1, 0.2, 0.2]
 )";
 
-// Whether a folder is there or can be made; nothing is made before something is recorded.
+// Checks that a folder exists or can be created; it is created by the first recording.
 Result<void> check_folder(const std::string& folder) {
   namespace fs = std::filesystem;
   std::error_code error;
   fs::path at = fs::absolute(folder, error);
   while (!fs::exists(at, error) && at.has_relative_path()) at = at.parent_path();
   if (fs::is_directory(at, error)) return {};
-  return fail(folder, at == fs::absolute(folder, error) ? "is a file" : "would be below a file",
+  return fail(folder, at == fs::absolute(folder, error) ? "is a file" : "has a file as parent",
               "--record-to takes a folder");
 }
 
-void print_json(const window::RunReport& r) {
-  const nlohmann::json json = {
-      {"seconds", r.seconds},
-      {"start_seconds", r.start_seconds},
-      {"driver", r.driver},
-      {"audio_device", r.audio_device},
-      {"frames",
-       {{"count", r.frames.count},
-        {"over_33_ms", r.frames.late},
-        {"median_s", r.frames.median},
-        {"p99_s", r.frames.p99},
-        {"longest_s", r.frames.longest}}},
-      {"touch",
-       {{"ticks", r.touch.ticks},
-        {"left_out", r.touch.left_out},
-        {"wake_p99_s", r.touch.wake_p99},
-        {"compute_p99_s", r.touch.compute_p99},
-        {"priority", r.touch.priority}}},
-      {"dynamics",
-       {{"steps", r.dynamics.steps}, {"left_out", r.dynamics.left_out}, {"step_s", r.dynamics.step_seconds}}},
-      {"sound",
-       {{"buffers", r.sound.buffers},
-        {"underruns", r.sound.underruns},
-        {"events", r.sound.events},
-        {"dropped", r.sound.dropped},
-        {"busiest", r.sound.busiest},
-        {"delay_s", r.sound.delay}}},
-      {"bodies_taken", r.bodies_taken},
-      {"was_baking", r.was_baking},
-      {"gl_errors", r.gl_errors},
-      {"gl_error_names", r.gl_error_names},
-      {"messages", r.messages},
-      {"written", r.written}};
-  fmt::print("{}\n", json.dump(2));
+void print_report_json(const window::RunReport& r) {
+  print_json(
+      {{"seconds", r.seconds},
+       {"start_seconds", r.start_seconds},
+       {"driver", r.driver},
+       {"audio_device", r.audio_device},
+       {"frames",
+        {{"count", r.frames.count},
+         {"over_33_ms", r.frames.late},
+         {"median_s", r.frames.median},
+         {"p99_s", r.frames.p99},
+         {"longest_s", r.frames.longest}}},
+       {"touch",
+        {{"ticks", r.touch.ticks},
+         {"left_out", r.touch.skipped},
+         {"wake_p99_s", r.touch.wake_p99},
+         {"compute_p99_s", r.touch.compute_p99},
+         {"priority", r.touch.priority}}},
+       {"dynamics",
+        {{"steps", r.dynamics.steps}, {"left_out", r.dynamics.skipped}, {"step_s", r.dynamics.step_seconds}}},
+       {"sound",
+        {{"buffers", r.sound.buffers},
+         {"underruns", r.sound.underruns},
+         {"events", r.sound.events},
+         {"dropped", r.sound.dropped},
+         {"busiest", r.sound.busiest},
+         {"delay_s", r.sound.delay}}},
+       {"bodies_taken", r.bodies_dragged},
+       {"was_baking", r.was_baking},
+       {"gl_errors", r.gl_errors},
+       {"gl_error_names", r.gl_error_names},
+       {"messages", r.messages},
+       {"written", r.files_written}});
 }
 
-void print_text(const window::RunReport& r) {
+void print_summary(const window::RunReport& r) {
   fmt::print("{:.1f} s on {}; first picture after {:.2f} s; OpenGL errors {}\n", r.seconds, r.driver,
              r.start_seconds, r.gl_errors);
   fmt::print("  picture   {} frames, median {:.1f} ms, p99 {:.1f} ms, {} over 33 ms\n", r.frames.count,
              1e3 * r.frames.median, 1e3 * r.frames.p99, r.frames.late);
-  fmt::print("  dynamics  {} steps, {:.1f} us each, {} left out\n", r.dynamics.steps,
-             1e6 * r.dynamics.step_seconds, r.dynamics.left_out);
-  fmt::print("  touch     {} ticks, {} left out, wake-up p99 {:.0f} us, compute p99 {:.1f} us\n",
-             r.touch.ticks, r.touch.left_out, 1e6 * r.touch.wake_p99, 1e6 * r.touch.compute_p99);
+  fmt::print("  dynamics  {} steps, {:.1f} us each, {} skipped\n", r.dynamics.steps,
+             1e6 * r.dynamics.step_seconds, r.dynamics.skipped);
+  fmt::print("  touch     {} ticks, {} skipped, wake-up p99 {:.0f} us, compute p99 {:.1f} us\n",
+             r.touch.ticks, r.touch.skipped, 1e6 * r.touch.wake_p99, 1e6 * r.touch.compute_p99);
   fmt::print("  sound     {} buffers on {}, {} underruns, busiest {:.0f} %, {} events, {} dropped\n",
              r.sound.buffers, r.audio_device, r.sound.underruns, 100 * r.sound.busiest, r.sound.events,
              r.sound.dropped);
-  for (const std::string& message : r.messages) fmt::print("  said: {}\n", message);
+  for (const std::string& message : r.messages) fmt::print("  message: {}\n", message);
 }
 
 int run(const RunArguments& arguments, const Common& common) {
@@ -133,22 +129,21 @@ int run(const RunArguments& arguments, const Common& common) {
   if (arguments.height > 0) options.height = arguments.height;
   if (arguments.scale > 0) options.interface_scale = arguments.scale;
   options.keeps_settings = !arguments.fresh;
-  options.interrupted = &run_interrupted;
-  std::signal(SIGINT, [](int) { run_interrupted = true; });
-  std::signal(SIGTERM, [](int) { run_interrupted = true; });
+  options.interrupted = &interrupted;
+  catch_interrupts();
   const auto done = window::run(options);
   if (!done) return report(done.error());
-  if (done->frames.count == 0 && !done->messages.empty() && !run_interrupted)
+  if (done->frames.count == 0 && !done->messages.empty() && !interrupted)
     return report({"", done->messages.back(), ""});
   if (arguments.json) {
-    print_json(*done);
+    print_report_json(*done);
   } else if (!common.quiet) {
-    print_text(*done);
+    print_summary(*done);
   }
-  const int code = run_interrupted ? 130 : 0;
+  const int code = interrupted ? 130 : 0;
   if (done->was_baking) {
     std::fflush(nullptr);
-    std::_Exit(code);  // a modal analysis goes on in a thread that cannot be stopped, only left behind
+    std::_Exit(code);  // a modal analysis still runs in a thread that cannot be interrupted
   }
   return code;
 }
@@ -157,7 +152,7 @@ int run(const RunArguments& arguments, const Common& common) {
 
 void add_run(CLI::App& app, Common& common) {
   CLI::App* verb =
-      app.add_subcommand("run", "A scene in a window: see it, pull it, touch it, hear it, record it");
+      app.add_subcommand("run", "Run a scene interactively: see it, pull it, touch it, hear it, record it");
   auto arguments = std::make_shared<RunArguments>();
   verb->add_option("SCENE", arguments->scene, "Scene file (docs/scene.md); none: balls on brick");
   verb->add_option("--surface", arguments->surface,
@@ -166,19 +161,21 @@ void add_run(CLI::App& app, Common& common) {
                    "The pen: a VRPN device, NAME@HOST[:PORT]; none: the mouse");
   verb->add_option("--audio", arguments->audio, "Sound card: default, null (silent), or a part of its name")
       ->capture_default_str();
-  verb->add_option("--script", arguments->script, "Events that play the user (docs/run.md)");
-  verb->add_option("--width", arguments->width, "Of the window, pixels; else as last time")
+  verb->add_option("--script", arguments->script, "Scripted user input (docs/run.md)");
+  verb->add_option("--width", arguments->width, "Window width, pixels; default: last run's")
       ->check(CLI::Range(16, 7680));
-  verb->add_option("--height", arguments->height, "Of the window, pixels; else as last time")
+  verb->add_option("--height", arguments->height, "Window height, pixels; default: last run's")
       ->check(CLI::Range(16, 4320));
-  verb->add_option("--scale", arguments->scale, "Of the panels: 1, 2, ...; else by the screen")
+  verb->add_option("--scale", arguments->scale, "Panel scale: 1, 2, ...; default: from the display")
       ->check(CLI::Range(0.5, 4.0));
-  verb->add_option("--shaders", arguments->shaders,
-                   "Folder of shaders to draw with (as src/render/shaders), read again when they change")
+  verb->add_option(
+          "--shaders", arguments->shaders,
+          "Folder of shaders that replace the built-in ones of the same name, e.g. slab.frag; reloaded when they change")
       ->check(CLI::ExistingDirectory);
   verb->add_option("--record-to", arguments->record_to, "Folder of recordings (F9) and screenshots (F12)");
-  verb->add_flag("--json", arguments->json, "At the end one JSON object: deadlines of every sense, messages");
-  verb->add_flag("--fresh", arguments->fresh, "Neither read nor keep the window's settings");
+  verb->add_flag("--json", arguments->json,
+                 "Print a JSON report on exit: deadlines of every sense, messages");
+  verb->add_flag("--fresh", arguments->fresh, "Ignore and do not save window settings");
   verb->footer(
       "Examples:\n  intaglio run\n  intaglio run scenes/pinball.toml\n"
       "  SDL_VIDEODRIVER=offscreen intaglio run --script test.events --json");

@@ -27,8 +27,9 @@ namespace intaglio::app {
 
 namespace {
 
-constexpr double longest = 30;   // s
-constexpr double before = 0.05;  // s of silence before a blow
+constexpr double max_duration = 30;  // s
+constexpr double lead_in = 0.05;     // s of silence before a strike
+constexpr int sample_rate = 44'100;  // of Synthesizer and write_wav, by default
 
 struct StrikeOptions {
   std::string model, mallet = "wood", output, device = "default";
@@ -39,11 +40,11 @@ struct StrikeOptions {
   bool live = false;
 };
 
-double level_db_spl(double pascal) {
+double sound_level_db(double pascal) {
   return 20 * std::log10(std::max(pascal, 1e-12) / 20e-6);
 }
 
-// The blow as asked for, or what is wrong with it.
+// The strike from the options.
 Result<sound::Strike> read_strike(const StrikeOptions& options, const sound::ModalModel& model) {
   const auto vec = [](const std::vector<double>& x) { return Vec3(x[0], x[1], x[2]); };
   sound::Strike strike;
@@ -52,7 +53,7 @@ Result<sound::Strike> read_strike(const StrikeOptions& options, const sound::Mod
   strike.mallet = {*material, options.mallet_radius};
   if (!options.at.empty()) strike.at = vec(options.at);
   if (options.vertex) {
-    const auto count = static_cast<int>(model.points.size());
+    const auto count = int(model.points.size());
     if (*options.vertex >= count) {
       return fail(options.model, fmt::format("has no vertex {}", *options.vertex),
                   fmt::format("it has {}, numbered from 0", count));
@@ -61,8 +62,7 @@ Result<sound::Strike> read_strike(const StrikeOptions& options, const sound::Mod
   }
   if (!options.direction.empty()) strike.direction = vec(options.direction);
   if (strike.direction && !(strike.direction->norm() > 1e-9 && strike.direction->norm() < 1e9))
-    return fail("--direction", "has no length, or none that can be told",
-                "give three numbers that are not all 0, the largest about 1");
+    return fail("--direction", "must be a non-zero vector", "give three numbers, the largest about 1");
   strike.impulse = options.impulse;
   if (!strike.impulse) {
     const double unit = sound::strike_event(model, strike, 0).impulse.norm();
@@ -76,17 +76,22 @@ Result<void> check_wav(const std::string& output) {
   return named ? check_writable(output) : named;
 }
 
-// The whole of it, Pa at 1 m.
-std::vector<float> ring_out(const std::shared_ptr<const sound::ModalModel>& model,
-                            const sound::Strike& strike) {
+double peak_of(const std::vector<float>& audio) {
+  const double peak = peak_of(audio);
+  return peak;
+}
+
+// Renders until silent; Pa at 1 m.
+std::vector<float> render_strike(const std::shared_ptr<const sound::ModalModel>& model,
+                                 const sound::Strike& strike) {
   sound::Synthesizer synthesizer({}, sound::strike_bodies(model, strike));
-  synthesizer.push(sound::strike_event(*model, strike, before));
+  synthesizer.push(sound::strike_event(*model, strike, lead_in));
   std::vector<float> audio;
   std::array<float, 441> block;
   do {
     synthesizer.render(block);
     audio.insert(audio.end(), block.begin(), block.end());
-  } while (!synthesizer.is_silent() && synthesizer.time() < longest);
+  } while (!synthesizer.is_silent() && synthesizer.time() < max_duration);
   return audio;
 }
 
@@ -100,8 +105,8 @@ int play_live(const std::shared_ptr<const sound::ModalModel>& model, const sound
                         {.gain_db = options.gain_db});
   live.set_listener({model->points.front() + Vec3::UnitZ(), Vec3::UnitX()});
   if (auto started = device.start(live); !started) return report(started.error());
-  live.push(sound::strike_event(*model, strike, before));
-  live.advance(2 * before);
+  live.push(sound::strike_event(*model, strike, lead_in));
+  live.advance(2 * lead_in);
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   while (std::chrono::steady_clock::now() < end && device.status().error.empty())
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -120,39 +125,38 @@ int play_live(const std::shared_ptr<const sound::ModalModel>& model, const sound
 
 int run_strike(const StrikeOptions& options, const Common& common) {
   if (options.output.empty() && !options.live)
-    return report({"intaglio sound strike", "nowhere to play to", "give -o FILE.wav, or --live"});
+    return report({"intaglio sound strike", "no output given", "give -o FILE.wav, or --live"});
   if (!options.output.empty()) {
     if (auto writable = check_wav(options.output); !writable) return report(writable.error());
   }
   auto read = sound::read_model(options.model);
   if (!read) return report(read.error());
   if (read->modes() == 0)
-    return report({options.model, "no mode of it rings below 20 kHz", "a larger or softer body would"});
+    return report({options.model, "has no mode below 20 kHz", "bake a larger or softer body"});
   const auto model = std::make_shared<const sound::ModalModel>(
       options.scale == 1 ? std::move(*read) : sound::scaled(*read, options.scale));
   if (model->modes() == 0)
-    return report({options.model, "at that scale no mode rings", "give a smaller --scale"});
+    return report({options.model, "has no mode at that scale", "give a smaller --scale"});
   const auto strike = read_strike(options, *model);
   if (!strike) return report(strike.error());
-  std::vector<float> audio = ring_out(model, *strike);
-  double peak = 0;
-  for (const float x : audio) peak = std::max(peak, double(std::abs(x)));
+  std::vector<float> audio = render_strike(model, *strike);
+  const double peak = peak_of(audio);
   if (!common.quiet) {
     const Vec3 at = sound::strike_event(*model, *strike, 0).point;
     fmt::print(
         "{}: {} modes from {:.1f} Hz, struck at {:.4g},{:.4g},{:.4g} with {:.3g} N s; {:.0f} dB SPL peak at 1 m, "
         "{:.1f} s\n",
         options.model, model->modes(), model->angular_frequency[0] / (2 * std::numbers::pi), at.x(), at.y(),
-        at.z(), *strike->impulse, level_db_spl(peak), double(audio.size()) / 44'100);
+        at.z(), *strike->impulse, sound_level_db(peak), double(audio.size()) / sample_rate);
   }
   if (options.live) {
-    if (const int code = play_live(model, *strike, options, double(audio.size()) / 44'100 + 0.1, common);
+    if (const int code = play_live(model, *strike, options, double(audio.size()) / sample_rate + 0.1, common);
         code != 0)
       return code;
   }
   if (options.output.empty()) return 0;
   sound::to_full_scale(audio, audio, {options.gain_db});
-  if (auto written = sound::write_wav(options.output, audio, 44'100); !written)
+  if (auto written = sound::write_wav(options.output, audio, sample_rate); !written)
     return report(written.error());
   return 0;
 }
@@ -164,12 +168,11 @@ int run_touch(report::TouchKind touch, const std::string& texture, const std::st
   scene.sound.gain_db = gain_db;
   const auto recording = session::play(scene);
   if (!recording) return report(recording.error());
-  double peak = 0;
-  for (const float x : recording->audio) peak = std::max(peak, double(std::abs(x)));
+  const double peak = peak_of(recording->audio);
   if (!common.quiet) {
     fmt::print("{}: {:.1f} s, {} contacts, {:.0f} dB SPL peak half a metre away{}\n", output,
                recording->duration, recording->events.size(),
-               level_db_spl(peak * sound::full_scale_pascal / std::pow(10, gain_db / 20)),
+               sound_level_db(peak * sound::full_scale_pascal / std::pow(10, gain_db / 20)),
                gain_db == 0 ? "" : fmt::format(", {:+.0f} dB in the file", gain_db));
   }
   if (auto written = sound::write_wav(output, recording->stereo, recording->sample_rate, {.channels = 2});
@@ -185,48 +188,51 @@ int list_devices() {
                card.is_default ? " (default)" : "", card.channels, card.preferred_rate);
   }
   if (cards.empty()) fmt::print("no audio device on this machine\n");
-  fmt::print("null: plays to nobody, in real time; always there\n");
+  fmt::print("null: silent, real-time, always available\n");
   return 0;
 }
 
 void add_strike(CLI::App& sound, Common& common) {
   CLI::App* verb =
-      sound.add_subcommand("strike", "Hear a baked model: one blow of a mallet on a body that hangs free");
-  auto o = std::make_shared<StrikeOptions>();
-  verb->add_option("MODEL", o->model, "What `intaglio bake` wrote")->required();
-  verb->add_option("-o,--output", o->output, "A WAV file: one channel, 24 bits, full scale 20 Pa at 1 m");
-  auto* live = verb->add_flag("--live", o->live, "Play it");
-  verb->add_option("--device", o->device, "A part of a name that `intaglio sound devices` lists, or null")
+      sound.add_subcommand("strike", "Strike a baked model once (free boundary) and play or save it");
+  auto options = std::make_shared<StrikeOptions>();
+  verb->add_option("MODEL", options->model, "A model that `intaglio bake` wrote")->required();
+  verb->add_option("-o,--output", options->output,
+                   "A WAV file: one channel, 24 bits, full scale 20 Pa at 1 m");
+  auto* live = verb->add_flag("--live", options->live, "Play it");
+  verb->add_option("--device", options->device,
+                   "A part of a name that `intaglio sound devices` lists, or null")
       ->needs(live)
       ->capture_default_str();
-  auto* at = verb->add_option("--at", o->at,
-                              "Where: x,y,z in the model's metres; the nearest point of its surface "
-                              "is taken. Default: where many modes answer")
-                 ->delimiter(',')
-                 ->expected(3)
-                 ->check(CLI::Range(-1e4, 1e4));
-  verb->add_option("--vertex", o->vertex, "Where: a vertex of the model's surface, from 0")
+  auto* at =
+      verb->add_option("--at", options->at,
+                       "Strike point x,y,z, in the model's metres, moved to its surface; default: where many "
+                       "modes respond")
+          ->delimiter(',')
+          ->expected(3)
+          ->check(CLI::Range(-1e4, 1e4));
+  verb->add_option("--vertex", options->vertex, "Strike point: a vertex of the model's surface, from 0")
       ->check(CLI::Range(0, std::numeric_limits<int>::max()))
       ->excludes(at);
-  verb->add_option("--direction", o->direction, "Of the push: x,y,z. Default: straight into the surface")
+  verb->add_option("--direction", options->direction, "Impulse direction x,y,z; default: into the surface")
       ->delimiter(',')
       ->expected(3);
-  verb->add_option("--mallet", o->mallet,
-                   "Its material: a built-in name or a TOML file; hard, light ones sound bright")
+  verb->add_option("--mallet", options->mallet,
+                   "Mallet material: a built-in name or a TOML file; hard, light ones sound bright")
       ->capture_default_str();
-  verb->add_option("--mallet-radius", o->mallet_radius, "m; it is a ball, and heavier when larger")
+  verb->add_option("--mallet-radius", options->mallet_radius, "Mallet ball radius, m")
       ->check(CLI::Range(1e-4, 1.0))
       ->capture_default_str();
-  auto* speed = verb->add_option("--speed", o->speed, "m/s, at which the mallet arrives")
+  auto* speed = verb->add_option("--speed", options->speed, "Impact speed, m/s")
                     ->check(CLI::Range(1e-3, 100.0))
                     ->capture_default_str();
-  verb->add_option("--impulse", o->impulse, "N s, instead of a speed")
+  verb->add_option("--impulse", options->impulse, "Impulse, N s, instead of a speed")
       ->check(CLI::Range(1e-9, 1e4))
       ->excludes(speed);
-  verb->add_option("--scale", o->scale, "The body so many times as large, without baking again")
+  verb->add_option("--scale", options->scale, "Scale of the body's size (no rebake)")
       ->check(CLI::Range(0.01, 100.0))
       ->capture_default_str();
-  verb->add_option("--gain-db", o->gain_db, "dB on top of the calibrated level")
+  verb->add_option("--gain-db", options->gain_db, "dB on top of the calibrated level")
       ->check(CLI::Range(-120.0, 120.0))
       ->capture_default_str();
   verb->footer(
@@ -234,8 +240,8 @@ void add_strike(CLI::App& sound, Common& common) {
       "  intaglio bake plate:a=0.3,t=0.01 --material ceramic -o out/tile.modes\n"
       "  intaglio sound strike out/tile.modes -o out/tile.wav\n"
       "  intaglio sound strike out/tile.modes --mallet steel --speed 2 --at 0.1,0.005,0 --live\n"
-      "The blow lasts as long as Hertz' theory says for the two materials, the mallet's radius and the speed.");
-  verb->callback([o, &common] { common.exit_code = run_strike(*o, common); });
+      "Hertz' theory gives the contact time, from both materials, the mallet's radius and the speed.");
+  verb->callback([options, &common] { common.exit_code = run_strike(*options, common); });
 }
 
 void add_touch(CLI::App& sound, Common& common, report::TouchKind touch, const char* name, const char* help) {
@@ -244,27 +250,29 @@ void add_touch(CLI::App& sound, Common& common, report::TouchKind touch, const c
     std::string texture, output;
     double gain_db = 0;
   };
-  auto o = std::make_shared<Options>();
-  verb->add_option("TEXTURE", o->texture, "A built-in name, a recipe (.toml), an image or a folder of images")
+  auto options = std::make_shared<Options>();
+  verb->add_option("TEXTURE", options->texture,
+                   "A built-in name, a recipe (.toml), an image or a folder of images")
       ->required();
-  verb->add_option("-o,--output", o->output, "A WAV file: stereo, 24 bits")->required();
-  verb->add_option("--gain-db", o->gain_db, "dB on top of the calibrated level; quiet sounds want 20 or 40")
+  verb->add_option("-o,--output", options->output, "A WAV file: stereo, 24 bits")->required();
+  verb->add_option("--gain-db", options->gain_db,
+                   "dB on top of the calibrated level; use 20 to 40 for quiet sounds")
       ->check(CLI::Range(-120.0, 120.0))
       ->capture_default_str();
   verb->footer(fmt::format("Example:\n  intaglio sound {0} brick_running -o out/{0}.wav --gain-db 20", name));
-  verb->callback([o, touch, &common] {
-    common.exit_code = run_touch(touch, o->texture, o->output, o->gain_db, common);
+  verb->callback([options, touch, &common] {
+    common.exit_code = run_touch(touch, options->texture, options->output, options->gain_db, common);
   });
 }
 
 void add_page(CLI::App& sound, Common& common) {
   CLI::App* verb =
       sound.add_subcommand("page",
-                           "A page with players and spectrograms: built-in textures struck, scraped "
+                           "Make a page of players and spectrograms: built-in textures struck, scraped "
                            "and rolled on");
   auto job = std::make_shared<report::SoundPageJob>();
   verb->add_option("-o,--output", job->folder, "A folder; gets index.html, .mp3 and .png files")->required();
-  verb->add_option("TEXTURE", job->textures, "Only these; default: all built-in ones");
+  verb->add_option("TEXTURE", job->textures, "Textures; default: all built-in ones");
   verb->footer(
       "Example:\n  intaglio sound page -o out/heard brick_running metal_mesh\nA sound takes a few seconds.");
   verb->callback([job, &common] {

@@ -6,9 +6,12 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <functional>
+#include <atomic>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
 
 #include "intaglio/error.h"
+#include "surface/import.h"
 
 namespace intaglio::app {
 
@@ -26,7 +29,18 @@ void add_bake(CLI::App& app, Common& common);
 void add_run(CLI::App& app, Common& common);
 void add_sound(CLI::App& app, Common& common);
 
-// Prints an error as the one line it is; returns the exit code.
+// Prints an error in one line; returns the exit code.
 int report(const Error& error);
+
+// Prints an object on standard output; bytes that are not UTF-8 (of file names, say) are replaced.
+void print_json(const nlohmann::json& json);
+
+// The values of --green (+Y or -Y) and --polarity (height or depth).
+surface::Green parse_green(const std::string& text);
+surface::Polarity parse_polarity(const std::string& text);
+
+// Set by the first SIGINT or SIGTERM after catch_interrupts(); the second one ends the program.
+extern std::atomic<bool> interrupted;
+void catch_interrupts();
 
 }  // namespace intaglio::app

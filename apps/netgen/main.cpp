@@ -66,7 +66,7 @@ bool write(const char* path, nglib::Ng_Mesh* mesh) {
   return std::fclose(out) == 0;
 }
 
-// Netgen frees nothing of what it is given; the process does.
+// Netgen frees nothing that it is given; the process's end does.
 int fill(Request& request, const char* result) {
   using namespace nglib;
   Ng_Init();
@@ -92,7 +92,9 @@ int fill(Request& request, const char* result) {
 }  // namespace
 
 int main(int count, char** arguments) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // it goes with whoever asked for it
+  // Dies with its parent. The signal comes when the parent's thread that spawned this one ends, so that
+  // thread waits.
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
   Request request;
   if (count != 3 || !read(arguments[1], request)) _exit(2);
   int code = 4;
@@ -100,5 +102,5 @@ int main(int count, char** arguments) {
     code = fill(request, arguments[2]);
   } catch (...) {
   }
-  _exit(code);  // past the destructors of Netgen's globals
+  _exit(code);  // skips Netgen's global destructors
 }

@@ -2,11 +2,11 @@
 
 #include <imgui/imgui.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cfloat>
 #include <cmath>
-#include <fmt/format.h>
 
 namespace intaglio::window {
 
@@ -18,26 +18,26 @@ bool slider(const char* name, double& value, double low, double high, const char
   return ImGui::SliderScalar(name, ImGuiDataType_Double, &value, &low, &high, format, flags);
 }
 
-void text(const std::string& line) {
+void wrapped_text(const std::string& line) {
   ImGui::PushTextWrapPos(0);
   ImGui::TextUnformatted(line.c_str());
   ImGui::PopTextWrapPos();
 }
 
 void time_panel(Settings& settings, const session::LiveState& state, PanelActions& actions) {
-  if (ImGui::Button(settings.paused ? "Go on (Space)" : "Pause (Space)")) settings.paused = !settings.paused;
+  if (ImGui::Button(settings.paused ? "Resume (Space)" : "Pause (Space)")) settings.paused = !settings.paused;
   ImGui::SameLine();
   actions.single = ImGui::Button("Step (N)");
   ImGui::SameLine();
   actions.reset = ImGui::Button("Reset (R)");
   slider("speed", settings.speed, 0.01, 1, "%.2f", ImGuiSliderFlags_Logarithmic);
-  text(fmt::format("{:.2f} s", state.time));
+  wrapped_text(fmt::format("{:.2f} s", state.time));
 }
 
 void surface_panel(Settings& settings, const session::LiveSession& session) {
   const scene::Scene& scene = session.scene();
   if (!ImGui::CollapsingHeader("Surface", ImGuiTreeNodeFlags_DefaultOpen)) return;
-  int chosen = static_cast<int>(scene.surface.representation);
+  int chosen = int(scene.surface.representation);
   for (int k = 0; k < 3; ++k) {
     if (k > 0) ImGui::SameLine();
     if (ImGui::RadioButton(representations[k], chosen == k)) settings.representation = k;
@@ -46,7 +46,8 @@ void surface_panel(Settings& settings, const session::LiveSession& session) {
     // How relief is drawn: 0 exact, 1 classic, then meshes.
     constexpr std::array<int, 2> squares{256, 512};
     int way = settings.mesh == squares[0] ? 2 : settings.mesh == squares[1] ? 3 : settings.classic ? 1 : 0;
-    if (ImGui::Combo("drawn", &way, "traced\0traced, 32 + 6 steps\0mesh of 256 x 256\0mesh of 512 x 512\0")) {
+    if (ImGui::Combo("relief drawn as", &way,
+                     "traced\0traced, 32 + 6 steps\0mesh of 256 x 256\0mesh of 512 x 512\0")) {
       settings.classic = way == 1;
       settings.mesh = way < 2 ? 0 : squares[std::size_t(way - 2)];
     }
@@ -56,59 +57,59 @@ void surface_panel(Settings& settings, const session::LiveSession& session) {
   if (slider("depth, mm", depth, 0, 100 * scene.surface.size.maxCoeff(), "%.1f",
              ImGuiSliderFlags_Logarithmic))
     settings.depth = 1e-3 * depth;
-  const std::string material = settings.material.empty() ? "the scene's" : settings.material;
+  const std::string material = settings.material.empty() ? "scene default" : settings.material;
   if (ImGui::BeginCombo("material", material.c_str())) {
-    if (ImGui::Selectable("the scene's", settings.material.empty())) settings.material.clear();
+    if (ImGui::Selectable("scene default", settings.material.empty())) settings.material.clear();
     for (const Material& m : materials())
       if (ImGui::Selectable(m.name.c_str(), settings.material == m.name)) settings.material = m.name;
     ImGui::EndCombo();
   }
-  int method = settings.papers_method ? 1 : 0;
-  ImGui::RadioButton("our method", &method, 0);
+  int method = settings.use_paper_method ? 1 : 0;
+  ImGui::RadioButton("closest feature", &method, 0);
   ImGui::SameLine();
-  ImGui::RadioButton("the paper's", &method, 1);
-  settings.papers_method = method == 1;
+  ImGui::RadioButton("paper's method", &method, 1);
+  settings.use_paper_method = method == 1;
 }
 
 void senses_panel(Settings& settings) {
-  if (!ImGui::CollapsingHeader("Senses with the texture", ImGuiTreeNodeFlags_DefaultOpen)) return;
-  ImGui::Checkbox("seen", &settings.sees);
+  if (!ImGui::CollapsingHeader("Texture affects", ImGuiTreeNodeFlags_DefaultOpen)) return;
+  ImGui::Checkbox("sight", &settings.sees);
   ImGui::SameLine();
-  ImGui::Checkbox("felt", &settings.feels);
+  ImGui::Checkbox("touch", &settings.feels);
   ImGui::SameLine();
-  ImGui::Checkbox("heard", &settings.hears);
+  ImGui::Checkbox("sound", &settings.hears);
   ImGui::SameLine();
-  ImGui::Checkbox("moved on", &settings.moves);
+  ImGui::Checkbox("motion", &settings.moves);
   slider("volume, dB", settings.volume, -40, 40, "%.0f");
   ImGui::Checkbox("mute (M)", &settings.mute);
   ImGui::SameLine();
   ImGui::Checkbox("rumble", &settings.rumble);
 }
 
-// A VRPN device by its address, taken when Enter is pressed; nothing: the mouse.
+// The address of a VRPN device, used when Enter is pressed; empty: the mouse.
 void device_field(Settings& settings) {
-  static std::array<char, 128> typed{};  // what is being typed is nobody else's business
+  static std::array<char, 128> typed{};  // edit buffer; one window a process
   if (ImGui::InputTextWithHint("VRPN pen", settings.device.empty() ? "NAME@HOST" : settings.device.c_str(),
                                typed.data(), typed.size(), ImGuiInputTextFlags_EnterReturnsTrue)) {
     settings.device = typed.data();
-    settings.device_from.clear();
+    settings.device_source.clear();
   }
 }
 
-void touch_panel(Settings& settings, session::LiveSession& session, const PanelFacts& facts,
+void touch_panel(Settings& settings, session::LiveSession& session, const PanelData& data,
                  const session::LiveState& state, PanelActions& actions) {
   if (!ImGui::CollapsingHeader("Touch", ImGuiTreeNodeFlags_DefaultOpen)) return;
-  ImGui::Checkbox("the mouse leads the pen (P)", &settings.pen);
+  ImGui::Checkbox("mouse moves the pen (P)", &settings.pen);
   device_field(settings);
   double stiffness = session.scene().pen->spring.stiffness;
   if (slider("stiffness, N/m", stiffness, 50, 2000, "%.0f")) settings.stiffness = stiffness;
-  if (!facts.force.empty())
-    ImGui::PlotLines("##force", facts.force.data(), static_cast<int>(facts.force.size()), 0,
+  if (!data.force.empty())
+    ImGui::PlotLines("##force", data.force.data(), int(data.force.size()), 0,
                      fmt::format("force {:.2f} N", state.pen.force.norm()).c_str(), 0, 8,
                      ImVec2(ImGui::GetContentRegionAvail().x, 4.6f * ImGui::GetFontSize()));
   if ((state.pen.guard_status & haptics::guard_status::fault) != 0) {
-    text("the guard let go of the hand");
-    actions.rearm = ImGui::Button("Take it again");
+    wrapped_text("Force cut off by the safety guard");
+    actions.rearm = ImGui::Button("Re-arm");
   }
 }
 
@@ -122,8 +123,8 @@ void view_panel(Settings& settings, PanelActions& actions) {
   ImGui::Checkbox("timing", &settings.overlay_timing);
   ImGui::SameLine();
   ImGui::Checkbox("scope", &settings.overlay_scope);
-  slider("least frames/s", settings.least_rate, 5, 60, "%.0f");
-  ImGui::SliderInt("samples a side", &settings.samples, 1, 3);
+  slider("minimum frames/s", settings.min_frame_rate, 5, 60, "%.0f");
+  ImGui::SliderInt("supersampling", &settings.samples, 1, 3);
   actions.home = ImGui::Button("Camera home (H)");
   ImGui::SameLine();
   actions.screenshot = ImGui::Button("Screenshot (F12)");
@@ -133,48 +134,48 @@ std::string microseconds(double seconds) {
   return seconds < 1e-3 ? fmt::format("{:.1f} us", 1e6 * seconds) : fmt::format("{:.1f} ms", 1e3 * seconds);
 }
 
-void timing_panel(session::LiveSession& session, const PanelFacts& facts, const session::LiveState& state) {
+void timing_panel(session::LiveSession& session, const PanelData& data, const session::LiveState& state) {
   if (!ImGui::CollapsingHeader("Timing", ImGuiTreeNodeFlags_DefaultOpen)) return;
-  text(fmt::format("picture   {:.1f} ms, {:.0f} % size", 1e3 * facts.frame_seconds,
-                   100 * facts.picture_scale));
-  text(
-      fmt::format("dynamics  {} a step, {} left out", microseconds(state.step_seconds), state.dropped_steps));
+  wrapped_text(
+      fmt::format("picture   {:.1f} ms, {:.0f} % size", 1e3 * data.frame_seconds, 100 * data.picture_scale));
+  wrapped_text(fmt::format("dynamics  {} per step, {} skipped", microseconds(state.step_seconds),
+                           state.dropped_steps));
   const haptics::ServoLoop& servo = session.servo();
-  text(fmt::format("touch     {}, wakes {} late (p99)", microseconds(servo.compute().quantile(0.5)),
-                   microseconds(servo.wake_up().quantile(0.99))));
+  wrapped_text(fmt::format("touch     {}, wake-up {} (p99)", microseconds(servo.compute().quantile(0.5)),
+                           microseconds(servo.wake_up().quantile(0.99))));
   if (session.has_sound()) {
-    text(fmt::format("sound     {:.0f} % busy, {} underruns", 100 * facts.audio.busiest,
-                     facts.audio.underruns));
+    wrapped_text(
+        fmt::format("sound     {:.0f} % busy, {} underruns", 100 * data.audio.busiest, data.audio.underruns));
   } else {
-    text("sound     models are being made");
+    wrapped_text("sound     baking models");
   }
-  text(facts.audio_device);
-  if (!facts.gamepad.empty()) text(facts.gamepad);
-  text(facts.driver);
+  wrapped_text(data.audio_device);
+  if (!data.gamepad.empty()) wrapped_text(data.gamepad);
+  wrapped_text(data.driver);
 }
 
 }  // namespace
 
-PanelActions draw_panels(Settings& settings, session::LiveSession* session, const PanelFacts& facts,
+PanelActions draw_panels(Settings& settings, session::LiveSession* session, const PanelData& data,
                          double scale) {
   PanelActions actions;
-  const auto s = static_cast<float>(scale);
+  const auto s = float(scale);
   ImGui::SetNextWindowPos(ImVec2(12 * s, 12 * s), ImGuiCond_FirstUseEver);
   ImGui::SetNextWindowSizeConstraints(ImVec2(300 * s, 0), ImVec2(300 * s, FLT_MAX));
   if (ImGui::Begin("Intaglio", nullptr, ImGuiWindowFlags_AlwaysAutoResize) && session != nullptr) {
     const session::LiveState& state = session->state();
-    text(facts.title);
+    wrapped_text(data.title);
     ImGui::PushItemWidth(160 * s);
     time_panel(settings, state, actions);
-    actions.record = ImGui::Button(
-        facts.recorded < 0 ? "Record (F9)" : fmt::format("Stop ({:.1f} s)", facts.recorded).c_str());
+    actions.record = ImGui::Button(data.recorded < 0 ? "Record (F9)"
+                                                     : fmt::format("Stop ({:.1f} s)", data.recorded).c_str());
     surface_panel(settings, *session);
     senses_panel(settings);
-    touch_panel(settings, *session, facts, state, actions);
+    touch_panel(settings, *session, data, state, actions);
     view_panel(settings, actions);
-    if (settings.overlay_timing) timing_panel(*session, facts, state);
-    if (settings.overlay_scope && !facts.scope.empty())
-      ImGui::PlotLines("##scope", facts.scope.data(), static_cast<int>(facts.scope.size()), 0, "heard", -1, 1,
+    if (settings.overlay_timing) timing_panel(*session, data, state);
+    if (settings.overlay_scope && !data.scope.empty())
+      ImGui::PlotLines("##scope", data.scope.data(), int(data.scope.size()), 0, "audio output", -1, 1,
                        ImVec2(ImGui::GetContentRegionAvail().x, 60 * s));
     ImGui::PopItemWidth();
   }
@@ -182,11 +183,11 @@ PanelActions draw_panels(Settings& settings, session::LiveSession* session, cons
   return actions;
 }
 
-void draw_status_line(const Settings& settings, const PanelFacts& facts) {
+void draw_status_line(const Settings& settings, const PanelData& data) {
   constexpr double shown = 8;  // s
-  std::string line = facts.messages.empty() || facts.message_age > shown ? "" : facts.messages.back();
-  if (facts.is_loading) line = "loading ...";
-  if (facts.recorded >= 0) line = fmt::format("recording {:.1f} s    {}", facts.recorded, line);
+  std::string line = data.messages.empty() || data.message_age > shown ? "" : data.messages.back();
+  if (data.is_loading) line = "loading ...";
+  if (data.recorded >= 0) line = fmt::format("recording {:.1f} s    {}", data.recorded, line);
   if (settings.paused) line = "paused    " + line;
   if (line.empty()) return;
   const ImVec2 size = ImGui::GetIO().DisplaySize;
@@ -203,7 +204,7 @@ void draw_status_line(const Settings& settings, const PanelFacts& facts) {
 
 namespace {
 
-// Draws world lines onto the picture.
+// Draws world-space lines over the picture.
 class Pencil {
  public:
   Pencil(const Projection& projection, const Vec2& window)
@@ -212,7 +213,7 @@ class Pencil {
   std::optional<ImVec2> at(const Vec3& world) const {
     const auto place = projection_.project(world);
     if (!place || !place->allFinite() || place->cwiseAbs().maxCoeff() > 50) return std::nullopt;
-    return ImVec2(static_cast<float>(place->x() * window_.x()), static_cast<float>(place->y() * window_.y()));
+    return ImVec2(float(place->x() * window_.x()), float(place->y() * window_.y()));
   }
   void line(const Vec3& from, const Vec3& to, ImU32 colour, float width = 2) {
     const auto a = at(from), b = at(to);
@@ -262,10 +263,10 @@ void draw_marks(Pencil& pencil, const Settings& settings, const session::LiveSta
     const session::ContactMark& mark = state.marks[k % session::max_marks];
     const double age = state.time - mark.time;
     if (age < 0 || age > seconds) continue;
-    const int alpha = static_cast<int>(255 * (1 - age / seconds));
+    const int alpha = int(255 * (1 - age / seconds));
     if (settings.overlay_contacts) {
       pencil.dot(mark.point, mark.begins ? IM_COL32(255, 120, 60, alpha) : IM_COL32(90, 210, 255, alpha), 4);
-      // Impulses span decades: an arrow grows with the logarithm of newton-seconds over a micro one.
+      // Impulses span decades, so an arrow's length is logarithmic in them, from about 0.1 mN s.
       const double size = mark.impulse.norm();
       const double length = 0.02 * side * std::log1p(1e4 * size);
       if (size > 0)
@@ -278,7 +279,8 @@ void draw_marks(Pencil& pencil, const Settings& settings, const session::LiveSta
   }
 }
 
-void draw_pen(Pencil& pencil, session::LiveSession& session, const haptics::ServoReport& pen, double side) {
+void draw_pen_overlay(Pencil& pencil, session::LiveSession& session, const haptics::ServoReport& pen,
+                      double side) {
   const surface::Surface& surface = *session.surface().surface;
   const surface::Placement& place = surface.placement();
   if (pen.touching) {
@@ -299,14 +301,14 @@ void draw_pen(Pencil& pencil, session::LiveSession& session, const haptics::Serv
 }  // namespace
 
 void draw_overlays(const Settings& settings, session::LiveSession& session, const Projection& projection,
-                   const OverlayFacts& facts) {
-  Pencil pencil(projection, facts.window);
+                   const OverlayData& data) {
+  Pencil pencil(projection, data.window);
   const session::LiveState& state = session.state();
-  if (settings.overlay_contacts || settings.overlay_normals) draw_marks(pencil, settings, state, facts.side);
-  if (settings.pen && settings.overlay_pen) draw_pen(pencil, session, state.pen, facts.side);
-  if (facts.is_dragging) {
-    pencil.line(facts.grip, facts.pull_to, IM_COL32(255, 255, 255, 200));
-    pencil.ring(facts.pull_to, IM_COL32(255, 255, 255, 220), 7);
+  if (settings.overlay_contacts || settings.overlay_normals) draw_marks(pencil, settings, state, data.side);
+  if (settings.pen && settings.overlay_pen) draw_pen_overlay(pencil, session, state.pen, data.side);
+  if (data.is_dragging) {
+    pencil.line(data.grip, data.pull_to, IM_COL32(255, 255, 255, 200));
+    pencil.ring(data.pull_to, IM_COL32(255, 255, 255, 220), 7);
   }
 }
 

@@ -17,7 +17,7 @@ Result<std::unique_ptr<Recorder>> Recorder::start(const std::filesystem::path& t
   auto video = session::VideoWriter::create(target, made->width_, made->height_, fps);
   if (!video) return tl::unexpected(video.error());
   made->video_ = std::move(*video);
-  made->thread_ = std::thread([recorder = made.get()] { recorder->work(); });
+  made->thread_ = std::thread([recorder = made.get()] { recorder->encode(); });
   return made;
 }
 
@@ -31,38 +31,37 @@ void Recorder::close() {
     const std::lock_guard lock(mutex_);
     closed_ = true;
   }
-  work_.notify_one();
+  queue_changed_.notify_one();
   thread_.join();
 }
 
 Result<void> Recorder::add(const Image8& frame, double time) {
-  const auto due = static_cast<std::int64_t>(time * fps_) + 1;
-  const int times = static_cast<int>(std::max<std::int64_t>(0, due - frames_)) + owed_;
+  const auto due = std::int64_t(time * fps_) + 1;
+  const int times = int(std::max<std::int64_t>(0, due - frames_)) + pending_repeats_;
   if (times == 0) return {};
   const std::lock_guard lock(mutex_);
   if (error_) return tl::unexpected(*error_);
   frames_ = std::max(due, frames_);
   if (queue_.size() >= 8) {
-    owed_ = times;
-    ++repeated_;
+    pending_repeats_ = times;
     return {};
   }
-  owed_ = 0;
+  pending_repeats_ = 0;
   queue_.push({frame, times});
-  work_.notify_one();
+  queue_changed_.notify_one();
   return {};
 }
 
-void Recorder::hear(std::span<const float> stereo) {
+void Recorder::add_audio(std::span<const float> stereo) {
   audio_.insert(audio_.end(), stereo.begin(), stereo.end());
 }
 
-void Recorder::work() {
+void Recorder::encode() {
   while (true) {
     Frame frame;
     {
       std::unique_lock lock(mutex_);
-      work_.wait(lock, [&] { return !queue_.empty() || closed_; });
+      queue_changed_.wait(lock, [&] { return !queue_.empty() || closed_; });
       if (queue_.empty()) return;
       frame = std::move(queue_.front());
       queue_.pop();
@@ -81,8 +80,8 @@ Result<void> Recorder::finish() {
   close();
   if (error_) return tl::unexpected(*error_);
   if (frames_ == 0) return fail(target_.string(), "nothing was recorded");
-  // As long as the picture, to the sample.
-  audio_.resize(2 * static_cast<std::size_t>(seconds() * sample_rate_));
+  // Trim or pad the audio to the video's length.
+  audio_.resize(2 * std::size_t(seconds() * sample_rate_));
   auto wav = target_;
   wav.replace_extension(".recording.wav");
   const auto written = sound::write_wav(wav, audio_, sample_rate_, {.channels = 2});

@@ -1,8 +1,9 @@
-// Records what the window shows, with what is heard, into an MP4: frames at a fixed rate whatever the
-// window's is, sound in stereo as it is played. Encoding is done by a thread of its own and by ffmpeg; the
-// window never waits for it: frames that find the queue full repeat the one before.
+// Records the window's pictures and sound into an MP4: frames at a fixed rate whatever the window's is, sound
+// in stereo as it is played. A thread of its own and ffmpeg encode; when their queue is full, the previous
+// frame is repeated, so that the window never waits.
 //
-// One thread (the window's). When the disk is full or ffmpeg dies, add() says so once and recording is over.
+// One thread (the window's). When the disk is full or ffmpeg dies, add() returns the error and recording
+// stops.
 #pragma once
 
 #include <condition_variable>
@@ -29,11 +30,10 @@ class Recorder {
   int width() const { return width_; }
   int height() const { return height_; }
   // Whether a frame is due at `time`, seconds since the start.
-  bool wants(double time) const { return static_cast<std::int64_t>(time * fps_) >= frames_; }
+  bool is_frame_due(double time) const { return std::int64_t(time * fps_) >= frames_; }
   Result<void> add(const Image8& frame, double time);
-  void hear(std::span<const float> stereo);
-  double seconds() const { return static_cast<double>(frames_) / fps_; }
-  std::uint64_t repeated() const { return repeated_; }
+  void add_audio(std::span<const float> stereo);
+  double seconds() const { return double(frames_) / fps_; }
 
   // Joins picture and sound and puts the video in place.
   Result<void> finish();
@@ -44,19 +44,18 @@ class Recorder {
     int times;
   };
   Recorder() = default;
-  void work();
+  void encode();
   void close();
 
   std::filesystem::path target_;
   int width_ = 0, height_ = 0, fps_ = 30, sample_rate_ = 44'100;
   std::unique_ptr<session::VideoWriter> video_;
-  std::vector<float> audio_;  // left and right by turns
+  std::vector<float> audio_;  // left and right interleaved
   std::int64_t frames_ = 0;
-  std::uint64_t repeated_ = 0;
-  int owed_ = 0;  // frames that found no room
+  int pending_repeats_ = 0;  // for frames dropped while the queue was full
   std::thread thread_;
   std::mutex mutex_;
-  std::condition_variable work_;
+  std::condition_variable queue_changed_;
   std::queue<Frame> queue_;
   bool closed_ = false;
   std::optional<Error> error_;

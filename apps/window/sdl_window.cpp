@@ -5,10 +5,12 @@
 #include <imgui/backends/imgui_impl_opengl3.h>
 #include <imgui/imgui.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fmt/format.h>
+
+#include "render/egl_context.h"
 
 namespace intaglio::window {
 
@@ -16,12 +18,12 @@ namespace {
 
 constexpr const char* no_window =
     "start it from a desktop session (or with ssh -X), or make a video instead: intaglio render SCENE -o out.mp4; "
-    "without a screen, Xvfb or SDL_VIDEODRIVER=offscreen also do";
+    "without a display, use Xvfb or SDL_VIDEODRIVER=offscreen";
 
 }  // namespace
 
 Result<std::unique_ptr<SdlWindow>> SdlWindow::create(const std::string& title, int width, int height) {
-  // SDL would quietly draw to nobody.
+  // SDL would silently pick the dummy driver.
   const auto is_set = [](const char* name) {
     const char* value = std::getenv(name);
     return value != nullptr && value[0] != 0;
@@ -31,11 +33,11 @@ Result<std::unique_ptr<SdlWindow>> SdlWindow::create(const std::string& title, i
   std::unique_ptr<SdlWindow> made(new SdlWindow);
   SDL_SetHint(SDL_HINT_VIDEO_X11_NET_WM_BYPASS_COMPOSITOR, "0");
   SDL_SetMainReady();
-  // Asked for nothing else, SDL tries Wayland too, which then complains on standard error.
+  // Without a hint SDL tries Wayland, too, which complains on standard error.
   if (!is_set("WAYLAND_DISPLAY") && !is_set("SDL_VIDEODRIVER")) SDL_SetHint(SDL_HINT_VIDEODRIVER, "x11");
   if (SDL_Init(SDL_INIT_VIDEO) != 0)
-    return fail("window", fmt::format("there is no display ({})", SDL_GetError()), no_window);
-  SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER);  // without it there is no gamepad, nothing else
+    return fail("window", fmt::format("cannot open a display ({})", SDL_GetError()), no_window);
+  SDL_InitSubSystem(SDL_INIT_GAMECONTROLLER);  // optional: without it there is no gamepad
   SDL_GL_SetAttribute(SDL_GL_CONTEXT_MAJOR_VERSION, 3);
   SDL_GL_SetAttribute(SDL_GL_CONTEXT_MINOR_VERSION, 3);
   SDL_GL_SetAttribute(SDL_GL_CONTEXT_PROFILE_MASK, SDL_GL_CONTEXT_PROFILE_CORE);
@@ -74,7 +76,7 @@ WindowSize SdlWindow::size() const {
   float dpi = 96;
   if (SDL_GetDisplayDPI(std::max(SDL_GetWindowDisplayIndex(window_), 0), &dpi, nullptr, nullptr) != 0)
     dpi = 96;
-  size.scale = panel_scale(static_cast<double>(dpi), size.density());
+  size.scale = panel_scale(double(dpi), size.density());
   return size;
 }
 
@@ -101,16 +103,14 @@ Image8 SdlWindow::pixels() const {
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadPixels(0, 0, now.width, now.height, GL_RGB, GL_UNSIGNED_BYTE, up.data.data());
-  const auto row = static_cast<std::ptrdiff_t>(3 * now.width);
+  const auto row = std::ptrdiff_t(3 * now.width);
   for (int y = 0; y < now.height; ++y)
     std::copy_n(up.data.begin() + (now.height - 1 - y) * row, row, image.data.begin() + y * row);
   return image;
 }
 
 std::string SdlWindow::description() const {
-  return fmt::format("{}, {}, OpenGL {}", SDL_GetCurrentVideoDriver(),
-                     reinterpret_cast<const char*>(glGetString(GL_RENDERER)),
-                     reinterpret_cast<const char*>(glGetString(GL_VERSION)));
+  return fmt::format("{}, {}", SDL_GetCurrentVideoDriver(), render::description_of_current());
 }
 
 std::string gl_error() {
@@ -152,7 +152,7 @@ constexpr KeyName keys[] = {
     {ImGuiKey_Space, SDL_SCANCODE_SPACE},
 };
 
-void dress(double scale, double density) {
+void apply_style(double scale, double density) {
   ImGui::StyleColorsDark();
   ImGuiStyle& style = ImGui::GetStyle();
   style.WindowRounding = 6;
@@ -161,11 +161,11 @@ void dress(double scale, double density) {
   style.WindowBorderSize = 0;
   style.Colors[ImGuiCol_WindowBg] = ImVec4(0.07f, 0.08f, 0.10f, 0.86f);
   style.Colors[ImGuiCol_TitleBgActive] = ImVec4(0.12f, 0.14f, 0.18f, 0.95f);
-  style.ScaleAllSizes(static_cast<float>(scale));
+  style.ScaleAllSizes(float(scale));
   ImFontConfig font;
-  // As fine as the pixels, as large as the panels' units say.
-  font.SizePixels = static_cast<float>(std::floor(13 * scale * density));
-  ImGui::GetIO().FontGlobalScale = static_cast<float>(1 / density);
+  // Rasterised at pixel density, displayed at logical size.
+  font.SizePixels = float(std::floor(13 * scale * density));
+  ImGui::GetIO().FontGlobalScale = float(1 / density);
   ImGui::GetIO().Fonts->AddFontDefault(&font);
 }
 
@@ -175,10 +175,10 @@ PanelHost::PanelHost(double scale, double density) {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
   ImGuiIO& io = ImGui::GetIO();
-  io.IniFilename = nullptr;  // settings.h keeps what is kept
+  io.IniFilename = nullptr;  // settings are saved by settings.h
   io.BackendPlatformName = "intaglio";
   for (const KeyName& key : keys) io.KeyMap[key.imgui] = key.sdl;
-  dress(scale, density);
+  apply_style(scale, density);
   ImGui_ImplOpenGL3_Init("#version 330 core");
 }
 
@@ -187,14 +187,14 @@ PanelHost::~PanelHost() {
   ImGui::DestroyContext();
 }
 
-bool PanelHost::take(const SDL_Event& event) {
+bool PanelHost::handle_event(const SDL_Event& event) {
   ImGuiIO& io = ImGui::GetIO();
   switch (event.type) {
     case SDL_MOUSEMOTION:
-      io.MousePos = ImVec2(static_cast<float>(event.motion.x), static_cast<float>(event.motion.y));
+      io.MousePos = ImVec2(float(event.motion.x), float(event.motion.y));
       return io.WantCaptureMouse;
     case SDL_MOUSEWHEEL:
-      io.MouseWheel += static_cast<float>(event.wheel.y);
+      io.MouseWheel += float(event.wheel.y);
       return io.WantCaptureMouse;
     case SDL_MOUSEBUTTONDOWN:
     case SDL_MOUSEBUTTONUP: {
@@ -224,11 +224,10 @@ bool PanelHost::take(const SDL_Event& event) {
 
 void PanelHost::begin(const WindowSize& size, double seconds) {
   ImGuiIO& io = ImGui::GetIO();
-  io.DisplaySize = ImVec2(static_cast<float>(size.window_width), static_cast<float>(size.window_height));
+  io.DisplaySize = ImVec2(float(size.window_width), float(size.window_height));
   io.DisplayFramebufferScale =
-      ImVec2(static_cast<float>(size.width) / static_cast<float>(size.window_width),
-             static_cast<float>(size.height) / static_cast<float>(size.window_height));
-  io.DeltaTime = std::max(1e-4f, static_cast<float>(seconds));
+      ImVec2(float(size.width) / float(size.window_width), float(size.height) / float(size.window_height));
+  io.DeltaTime = std::max(1e-4f, float(seconds));
   bool clicked[3];
   for (int k = 0; k < 3; ++k) {
     clicked[k] = std::exchange(pressed_[k], false) && !io.MouseDown[k];

@@ -9,21 +9,22 @@
 #include "intaglio/image.h"
 
 struct SDL_Window;
+union SDL_Event;
 
 namespace intaglio::window {
 
 struct WindowSize {
-  int width = 0, height = 0;                // of what is drawn, pixels
+  int width = 0, height = 0;                // framebuffer, pixels
   int window_width = 0, window_height = 0;  // in the units of mouse events
-  // How much larger than usual panels should be, in the units of mouse events; 1 or more.
+  // Panel scale factor, in the units of mouse events; 1 or more.
   double scale = 1;
 
-  // Pixels in a unit of mouse events: 1, or more where the desktop itself enlarges (Wayland, macOS).
-  double density() const { return static_cast<double>(width) / window_width; }
+  // Pixels in a unit of mouse events: 1, or more where the desktop itself scales (Wayland, macOS).
+  double density() const { return double(width) / window_width; }
 };
 
-// The scale of panels on a screen of that many dots an inch, by quarters; a screen that says nonsense counts
-// as a usual one. What the desktop enlarges already is not enlarged again.
+// The scale of panels for a display's dots an inch, in steps of a quarter; implausible values are treated as
+// 96. Desktop scaling is not applied twice.
 double panel_scale(double dpi, double density);
 
 class SdlWindow {
@@ -37,7 +38,7 @@ class SdlWindow {
   void resize(int width, int height);
   void set_title(const std::string& title);
   void swap();
-  // What was drawn into the window since the last swap: RGB, row 0 at the top.
+  // The picture drawn since the last swap: RGB, row 0 at the top.
   Image8 pixels() const;
   // "x11, llvmpipe (LLVM 15.0.6, 256 bits), OpenGL 4.5": for reports.
   std::string description() const;
@@ -52,15 +53,9 @@ class SdlWindow {
 // An error of OpenGL since the last call, by name; empty when there was none.
 std::string gl_error();
 
-}  // namespace intaglio::window
-
-// Dear ImGui in our window: its context, its font at the window's scale, and SDL's events as its input. All
-// input comes by events (its own SDL back-end asks the real mouse, which no script can move).
-
-union SDL_Event;
-
-namespace intaglio::window {
-
+// Dear ImGui in the window: its context (one a process), its font at the window's scale, and SDL's events as
+// its input. Input comes only from events; ImGui's SDL back-end polls the real mouse, which scripts cannot
+// drive.
 class PanelHost {
  public:
   PanelHost(double scale, double density);
@@ -68,9 +63,9 @@ class PanelHost {
   PanelHost(const PanelHost&) = delete;
   PanelHost& operator=(const PanelHost&) = delete;
 
-  // Hands over an event; whether a panel wants it for itself.
-  bool take(const SDL_Event& event);
-  // Between these two, panels are made; draw() puts them into the current framebuffer.
+  // Returns true if ImGui captures the event.
+  bool handle_event(const SDL_Event& event);
+  // Panels are built between these two; draw() draws them into the current framebuffer.
   void begin(const WindowSize& size, double seconds);
   void draw();
 

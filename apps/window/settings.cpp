@@ -1,9 +1,9 @@
 #include "window/settings.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fmt/format.h>
 
 #include "core/file.h"
 #include "core/text.h"
@@ -15,23 +15,23 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// What a setting can be.
-struct Values {
+// Allowed range.
+struct Range {
   double low = 0, high = 1;
-  bool is_whole = true, has_scenes = false;
+  bool is_integer = true, allows_scene_default = false;
 };
-constexpr Values a_switch;
+constexpr Range on_off;
 
 // A setting that is the member itself.
 template <auto member>
-Setting direct(const char* name, const Values& values, bool is_kept) {
+Setting direct(const char* name, const Range& range, bool is_saved) {
   return {name,
-          values.low,
-          values.high,
-          values.is_whole,
-          values.has_scenes,
-          is_kept,
-          [](const Settings& s) { return static_cast<double>(s.*member); },
+          range.low,
+          range.high,
+          range.is_integer,
+          range.allows_scene_default,
+          is_saved,
+          [](const Settings& s) { return double(s.*member); },
           [](Settings& s, double value) {
             using T = std::remove_reference_t<decltype(s.*member)>;
             if constexpr (std::is_same_v<T, bool>) {
@@ -52,35 +52,35 @@ fs::path folder(const char* variable, const char* below_home) {
 
 }  // namespace
 
-const std::vector<Setting>& settings_by_name() {
+const std::vector<Setting>& all_settings() {
   static const std::vector<Setting> all = {
       direct<&Settings::width>("width", {16, 7680}, true),
       direct<&Settings::height>("height", {16, 4320}, true),
       direct<&Settings::interface_scale>("interface_scale", {0, 4, false}, true),
       direct<&Settings::volume>("volume", {-120, 60, false}, true),
-      direct<&Settings::mute>("mute", a_switch, true),
-      direct<&Settings::panels>("panels", a_switch, true),
-      direct<&Settings::overlay_contacts>("contacts", a_switch, true),
-      direct<&Settings::overlay_normals>("normals", a_switch, true),
-      direct<&Settings::overlay_pen>("pen_force", a_switch, true),
-      direct<&Settings::overlay_timing>("timing", a_switch, true),
-      direct<&Settings::overlay_scope>("scope", a_switch, true),
-      direct<&Settings::rumble>("rumble", a_switch, true),
-      direct<&Settings::least_rate>("least_rate", {1, 240, false}, true),
+      direct<&Settings::mute>("mute", on_off, true),
+      direct<&Settings::panels>("panels", on_off, true),
+      direct<&Settings::overlay_contacts>("contacts", on_off, true),
+      direct<&Settings::overlay_normals>("normals", on_off, true),
+      direct<&Settings::overlay_pen>("pen_force", on_off, true),
+      direct<&Settings::overlay_timing>("timing", on_off, true),
+      direct<&Settings::overlay_scope>("scope", on_off, true),
+      direct<&Settings::rumble>("rumble", on_off, true),
+      direct<&Settings::min_frame_rate>("least_rate", {1, 240, false}, true),
       direct<&Settings::samples>("samples", {1, 4}, true),
-      direct<&Settings::paused>("paused", a_switch, false),
+      direct<&Settings::paused>("paused", on_off, false),
       direct<&Settings::speed>("speed", {0.01, 1, false}, false),
-      direct<&Settings::pen>("pen", a_switch, false),
-      direct<&Settings::sees>("sees", a_switch, false),
-      direct<&Settings::moves>("moves", a_switch, false),
-      direct<&Settings::feels>("feels", a_switch, false),
-      direct<&Settings::hears>("hears", a_switch, false),
+      direct<&Settings::pen>("pen", on_off, false),
+      direct<&Settings::sees>("sees", on_off, false),
+      direct<&Settings::moves>("moves", on_off, false),
+      direct<&Settings::feels>("feels", on_off, false),
+      direct<&Settings::hears>("hears", on_off, false),
       direct<&Settings::representation>("representation", {0, 2, true, true}, false),
       direct<&Settings::mesh>("mesh", {0, 1024}, false),
-      direct<&Settings::classic>("classic", a_switch, false),
+      direct<&Settings::classic>("classic", on_off, false),
       direct<&Settings::depth>("depth", {0, 10, false, true}, false),
       direct<&Settings::stiffness>("stiffness", {0, 1e5, false, true}, false),
-      direct<&Settings::papers_method>("papers_method", a_switch, false),
+      direct<&Settings::use_paper_method>("papers_method", on_off, false),
   };
   return all;
 }
@@ -88,7 +88,7 @@ const std::vector<Setting>& settings_by_name() {
 namespace {
 
 const Setting* find(const std::string& name) {
-  for (const Setting& setting : settings_by_name())
+  for (const Setting& setting : all_settings())
     if (name == setting.name) return &setting;
   return nullptr;
 }
@@ -99,19 +99,19 @@ Result<void> check_setting(const std::string& name, double value) {
   const Setting* const setting = find(name);
   if (setting == nullptr) {
     std::vector<std::string> names;
-    for (const Setting& known : settings_by_name()) names.emplace_back(known.name);
+    for (const Setting& known : all_settings()) names.emplace_back(known.name);
     const std::string nearest = nearest_name(name, names);
-    return fail("", fmt::format("there is no setting \"{}\"", name),
+    return fail("", fmt::format("unknown setting \"{}\"", name),
                 nearest.empty() ? fmt::format("known: {}", fmt::join(names, ", "))
                                 : fmt::format("did you mean \"{}\"?", nearest));
   }
-  const bool is_scenes = setting->has_scenes && value == -1;
+  const bool is_scenes = setting->allows_scene_default && value == -1;
   const bool is_within = value >= setting->low && value <= setting->high;
-  if (is_scenes || (is_within && (!setting->is_whole || value == std::floor(value)))) return {};
+  if (is_scenes || (is_within && (!setting->is_integer || value == std::floor(value)))) return {};
   return fail("", fmt::format("{} is {}", name, value),
-              fmt::format("it must be {} {} {} {}{}", setting->is_whole ? "a whole number from" : "between",
-                          setting->low, setting->is_whole ? "to" : "and", setting->high,
-                          setting->has_scenes ? ", or -1 for the scene's own" : ""));
+              fmt::format("it must be {} {} {} {}{}", setting->is_integer ? "an integer from" : "between",
+                          setting->low, setting->is_integer ? "to" : "and", setting->high,
+                          setting->allows_scene_default ? ", or -1 for the scene's value" : ""));
 }
 
 Result<void> set_by_name(Settings& settings, const std::string& name, double value) {
@@ -137,8 +137,8 @@ Result<void> read_settings(const fs::path& file, Settings& settings) {
   std::optional<Error> error;
   TomlReader reader(*table, file.string(), "", error);
   Settings read = settings;
-  for (const Setting& setting : settings_by_name()) {
-    if (!setting.is_kept) continue;
+  for (const Setting& setting : all_settings()) {
+    if (!setting.is_saved) continue;
     double value = setting.get(read);
     reader.number(setting.name, value, {-1e4, 1e4, false, "a setting must be between -10000 and 10000"});
     if (auto set = set_by_name(read, setting.name, value); !set)
@@ -153,8 +153,8 @@ Result<void> read_settings(const fs::path& file, Settings& settings) {
 Result<void> write_settings(const fs::path& file, const Settings& settings) {
   if (file.empty()) return {};
   std::string text = "# Written by intaglio run when its window is closed.\n";
-  for (const Setting& setting : settings_by_name())
-    if (setting.is_kept)
+  for (const Setting& setting : all_settings())
+    if (setting.is_saved)
       text += fmt::format("{} = {}\n", setting.name,
                           std::clamp(setting.get(settings), setting.low, setting.high));
   return write_file(file, text);

@@ -79,35 +79,35 @@ Loader::~Loader() {
   thread_.join();
 }
 
-void Loader::ask(LoadRequest request) {
+void Loader::request(LoadRequest request) {
   {
     const std::lock_guard lock(mutex_);
-    wanted_ = std::move(request);
+    pending_ = std::move(request);
   }
   wake_.notify_one();
 }
 
 std::optional<Loaded> Loader::take() {
   const std::lock_guard lock(mutex_);
-  return std::exchange(done_, std::nullopt);
+  return std::exchange(result_, std::nullopt);
 }
 
 bool Loader::is_busy() {
   const std::lock_guard lock(mutex_);
-  return busy_ || wanted_ || done_;
+  return busy_ || pending_ || result_;
 }
 
 void Loader::work() {
   std::unique_lock lock(mutex_);
   while (true) {
-    wake_.wait(lock, [&] { return wanted_ || closed_; });
+    wake_.wait(lock, [&] { return pending_ || closed_; });
     if (closed_) return;
-    LoadRequest request = std::move(*std::exchange(wanted_, std::nullopt));
+    LoadRequest request = std::move(*std::exchange(pending_, std::nullopt));
     busy_ = true;
     lock.unlock();
     Loaded loaded = load(std::move(request));
     lock.lock();
-    done_ = std::move(loaded);
+    result_ = std::move(loaded);
     busy_ = false;
   }
 }
@@ -115,34 +115,92 @@ void Loader::work() {
 namespace {
 
 // Whether these settings need another session.
-bool differ(const Settings& a, const Settings& b) {
+bool needs_new_session(const Settings& a, const Settings& b) {
   const auto key = [](const Settings& s) {
-    return std::tuple(s.representation, s.depth, s.stiffness, s.papers_method, s.material, s.moves, s.feels,
-                      s.hears);
+    return std::tuple(s.representation, s.depth, s.stiffness, s.use_paper_method, s.material, s.moves,
+                      s.feels, s.hears);
   };
   return key(a) != key(b);
 }
 
-constexpr std::chrono::seconds patience(3);  // with a device that is dialled
+constexpr std::chrono::seconds answer_timeout(3);
 
-Error no_answer(const std::string& device, const haptics::vrpn::VrpnDevice& pen) {
-  return {device, "the pen's device does not answer: " + pen.last_failure().error.message(),
-          "start its VRPN server (intaglio devices serve is one to try), or use the mouse"};
+Error no_answer_error(const std::string& device, const haptics::vrpn::VrpnDevice& pen) {
+  return {device, "the pen device does not answer: " + pen.last_failure().error.message(),
+          "start its VRPN server (for a test: intaglio devices serve), or use the mouse"};
 }
 
 }  // namespace
+
+PenDevice::~PenDevice() {
+  retire(std::move(connecting_));
+}
+
+void PenDevice::retire(Device device) {
+  if (!device) return;
+  std::erase_if(closing_, [](const auto& f) {
+    return f.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+  });
+  closing_.push_back(
+      std::async(std::launch::async, [device = std::move(device)]() mutable { device.reset(); }));
+}
+
+Result<void> PenDevice::open(const std::string& name) {
+  if (name.empty()) return {};
+  const auto address = haptics::vrpn::parse_address(name);
+  if (!address) return tl::unexpected(address.error());
+  name_ = name;
+  used_ = std::make_shared<haptics::vrpn::VrpnDevice>(*address);
+  if (!used_->wait_for_link(answer_timeout)) return tl::unexpected(no_answer_error(name, *used_));
+  return {};
+}
+
+bool PenDevice::update(const Settings& settings, double now, std::string& message) {
+  if (settings.device != name_) {
+    name_ = settings.device;
+    retire(std::exchange(connecting_, nullptr));
+    if (name_.empty()) {
+      used_.reset();
+      message = "pen: mouse";
+      return true;
+    }
+    const auto address = haptics::vrpn::parse_address(name_);
+    if (!address) {
+      message = with_where(settings.device_source, address.error()).message();
+      return false;
+    }
+    connecting_ = std::make_shared<haptics::vrpn::VrpnDevice>(*address);
+    connecting_since_ = now;
+  }
+  if (!connecting_) return false;
+  if (connecting_->wait_for_link(std::chrono::milliseconds(0))) {
+    used_ = std::exchange(connecting_, nullptr);
+    message = "pen: " + name_;
+    return true;
+  }
+  if (now - connecting_since_ >= std::chrono::duration<double>(answer_timeout).count()) {
+    message = connection_error(settings);
+    retire(std::exchange(connecting_, nullptr));
+  }
+  return false;
+}
+
+std::string PenDevice::connection_error(const Settings& settings) const {
+  return connecting_ ? with_where(settings.device_source, no_answer_error(name_, *connecting_)).message()
+                     : "";
+}
 
 scene::Scene with_settings(scene::Scene scene, const Settings& settings) {
   if (settings.representation >= 0)
     scene.surface.representation = static_cast<Representation>(std::min(settings.representation, 2));
   if (settings.depth >= 0) scene.surface.depth = settings.depth;
-  if (settings.papers_method) {
+  if (settings.use_paper_method) {
     scene.physics.method = dynamics::ContactMethod::directional;
     scene.physics.normal_method = dynamics::NormalMethod::literal;
   }
   if (!settings.material.empty()) scene.surface.material = *find_material(settings.material);
   scene.pen = session::pen_for(scene);
-  if (settings.papers_method) scene.pen->method = haptics::HapticMethod::plane;
+  if (settings.use_paper_method) scene.pen->method = haptics::HapticMethod::plane;
   if (settings.stiffness >= 0) scene.pen->spring.stiffness = settings.stiffness;
   return scene;
 }
@@ -154,13 +212,7 @@ Result<std::string> Stage::open(const std::string& audio, const std::string& dev
   audio_ = std::move(opened->device);
   note = opened->note;
   if (auto started = audio_->start(tap_); !started) return tl::unexpected(started.error());
-  if (!device.empty()) {
-    const auto address = haptics::vrpn::parse_address(device);
-    if (!address) return tl::unexpected(address.error());
-    pen_ = std::make_shared<haptics::vrpn::VrpnDevice>(*address);
-    device_ = device;
-    if (!pen_->wait_for_link(patience)) return tl::unexpected(no_answer(device, *pen_));
-  }
+  if (auto connected = pen_.open(device); !connected) return tl::unexpected(connected.error());
   return note;
 }
 
@@ -169,7 +221,7 @@ Stage::~Stage() {
   if (audio_) audio_->stop();
 }
 
-void Stage::ask(const scene::Scene& scene, const Settings& settings, bool goes_on) {
+void Stage::request_scene(const scene::Scene& scene, const Settings& settings, bool keeps_bodies) {
   LoadRequest request;
   request.scene = with_settings(scene, settings);
   request.options = {settings.moves,
@@ -178,18 +230,18 @@ void Stage::ask(const scene::Scene& scene, const Settings& settings, bool goes_o
                      cache_folder().empty() ? std::filesystem::path() : cache_folder() / "models",
                      audio_ ? audio_->sample_rate() : 44'100,
                      scene.sound.gain_db + settings.volume};
-  request.device = pen_;
-  request.goes_on = goes_on;
-  // The texture as it is, when nothing about it has changed.
-  if (goes_on && session_ != nullptr && asked_ && settings.depth == asked_->depth &&
-      settings.material == asked_->material &&
+  request.device = pen_.device();
+  request.keeps_bodies = keeps_bodies;
+  // Reuses the loaded surface if it is unchanged.
+  if (keeps_bodies && session_ != nullptr && requested_settings_ &&
+      settings.depth == requested_settings_->depth && settings.material == requested_settings_->material &&
       request.scene.surface.texture == session_->scene().surface.texture &&
       (request.scene.surface.representation != Representation::relief ||
        session_->surface().surface->has_depth()))
     request.surface = session_->surface();
-  asked_ = settings;
-  asked_base_ = scene;
-  loader_.ask(std::move(request));
+  requested_settings_ = settings;
+  requested_scene_ = scene;
+  loader_.request(std::move(request));
 }
 
 Result<void> Stage::drop(const std::filesystem::path& file, const Settings& settings) {
@@ -197,103 +249,77 @@ Result<void> Stage::drop(const std::filesystem::path& file, const Settings& sett
     auto scene = scene::read_scene(file);
     if (scene) {
       scene_file_ = file;
-      ask(*scene, settings, false);
+      request_scene(*scene, settings, false);
       return {};
     }
-    // Not a scene: perhaps a recipe of a texture, which has no table of that name.
+    // Not a scene; perhaps a texture's recipe, which has no [surface].
     if (const auto text = read_file(file, 1 << 20);
         text &&
         std::string_view(reinterpret_cast<const char*>(text->data()), text->size()).find("[surface]") !=
             std::string_view::npos)
       return tl::unexpected(scene.error());
   }
-  scene::Scene scene = base_;
+  scene::Scene scene = scene_;
   scene::put_texture(scene.surface, file.string());
-  ask(scene, settings, false);
+  request_scene(scene, settings, false);
   return {};
 }
 
 void Stage::set_shaders(const std::filesystem::path& folder) {
   shaders_ = folder;
   if (!folder.empty()) shader_watch_.watch({folder});
-  wants_shaders_ = !folder.empty();
+  reload_shaders_ = !folder.empty();
 }
 
-// Another device is dialled while the old one is used; the session that follows has it.
-std::string Stage::keep_pen(const Settings& settings, double now) {
-  if (settings.device != device_) {
-    device_ = settings.device;
-    dialled_.reset();
-    if (device_.empty()) {
-      pen_.reset();
-      ask(asked_base_, settings, true);
-      return "the mouse is the pen";
-    }
-    const auto address = haptics::vrpn::parse_address(device_);
-    if (!address) return with_where(settings.device_from, address.error()).message();
-    dialled_ = std::make_shared<haptics::vrpn::VrpnDevice>(*address);
-    dialled_since_ = now;
+std::string Stage::update(const Settings& settings, double now) {
+  if (requested_settings_) {
+    std::string message;
+    if (pen_.update(settings, now, message)) request_scene(requested_scene_, settings, true);
+    if (!message.empty()) return message;
   }
-  if (!dialled_) return "";
-  if (dialled_->wait_for_link(std::chrono::milliseconds(0))) {
-    pen_ = std::exchange(dialled_, nullptr);
-    ask(asked_base_, settings, true);
-    return device_ + " is the pen";
-  }
-  if (now - dialled_since_ < std::chrono::duration<double>(patience).count()) return "";
-  const std::string said = unanswered(settings);
-  dialled_.reset();
-  return said;
-}
-
-std::string Stage::unanswered(const Settings& settings) const {
-  return dialled_ ? with_where(settings.device_from, no_answer(device_, *dialled_)).message() : "";
-}
-
-std::string Stage::keep_up(const Settings& settings, double now) {
-  if (std::string said = asked_ ? keep_pen(settings, now) : ""; !said.empty()) return said;
-  if (!shaders_.empty() && renderer_ && (shader_watch_.has_changed(now) || wants_shaders_)) {
-    wants_shaders_ = false;
+  if (!shaders_.empty() && renderer_ && (shader_watch_.has_changed(now) || reload_shaders_)) {
+    reload_shaders_ = false;
     const auto read = renderer_->reload_shaders(shaders_);
-    return read ? "shaders of " + shaders_.string() : read.error().message();
+    return read ? "shaders reloaded from " + shaders_.string() : read.error().message();
   }
-  if (asked_ && differ(settings, *asked_)) ask(asked_base_, settings, true);
+  if (requested_settings_ && needs_new_session(settings, *requested_settings_))
+    request_scene(requested_scene_, settings, true);
   if (!watch_.has_changed(now) || loader_.is_busy()) return "";
-  scene::Scene scene = base_;
+  scene::Scene scene = scene_;
   if (!scene_file_.empty()) {
     auto read = scene::read_scene(scene_file_);
     if (!read) return read.error().message();
     // A texture that was dropped stays.
-    if (base_.name != scene_file_.string() || read->surface.texture == base_.surface.texture) scene = *read;
+    if (scene_.name != scene_file_.string() || read->surface.texture == scene_.surface.texture) scene = *read;
   }
-  ask(scene, settings, false);
+  request_scene(scene, settings, false);
   return "";
 }
 
-bool Stage::poll(std::string& message) {
+bool Stage::take_loaded(std::string& message) {
   auto loaded = loader_.take();
   if (!loaded) return false;
   if (!loaded->session) {
     message = loaded->error->message();
-    asked_base_ = base_;
+    requested_scene_ = scene_;
     return false;
   }
   if (session_) {
     session_->stop();
     loaded->session->continue_counters(*session_);
   }
-  if (session_ && loaded->request.goes_on) loaded->session->follow(*session_);
-  const bool is_other = !session_ || !loaded->request.goes_on;
-  base_ = asked_base_;
+  if (session_ && loaded->request.keeps_bodies) loaded->session->follow(*session_);
+  const bool is_other = !session_ || !loaded->request.keeps_bodies;
+  scene_ = requested_scene_;
   session_ = std::move(loaded->session);
-  sessions_pen_ = std::move(loaded->request.device);
+  session_pen_ = std::move(loaded->request.device);
   picture_ = std::make_unique<scene::ScenePicture>(session_->scene(), session_->surface());
   if (auto shown = show(); !shown) message = shown.error().message();
   session_->start(&tap_, &baker_);
   std::vector<std::filesystem::path> files;
   if (!scene_file_.empty()) files.push_back(scene_file_);
   std::error_code ignored;
-  if (std::filesystem::exists(base_.surface.texture, ignored)) files.emplace_back(base_.surface.texture);
+  if (std::filesystem::exists(scene_.surface.texture, ignored)) files.emplace_back(scene_.surface.texture);
   watch_.watch(std::move(files));
   if (message.empty() && is_other && !session_->surface().notes.empty())
     message = session_->surface().notes.front();
@@ -303,45 +329,39 @@ bool Stage::poll(std::string& message) {
 Result<void> Stage::show() {
   if (!renderer_) return {};
   auto parts = scene::surface_parts(session_->scene(), session_->surface());
-  for (render::SurfacePart& part : parts) part.mesh_cells = mesh_;
+  for (render::SurfacePart& part : parts) part.displaced_mesh_cells = drawn_.mesh_cells;
   return renderer_->show(parts);
 }
 
 Result<void> Stage::draw(const render::Camera& camera, const Settings& settings, int width, int height,
                          double scale) {
-  const int wide = std::max(1, static_cast<int>(std::lround(width * scale)));
-  const int high = std::max(1, static_cast<int>(std::lround(height * scale)));
-  if (!renderer_ || samples_ != settings.samples || classic_ != settings.classic) {
+  const PictureOptions wanted{std::max(1, int(std::lround(width * scale))),
+                              std::max(1, int(std::lround(height * scale))), settings.samples,
+                              std::clamp(settings.mesh, 0, 1024), settings.classic};
+  const bool is_new = !renderer_ || drawn_.samples != wanted.samples || drawn_.classic != wanted.classic;
+  if (is_new) {
     render::RendererOptions options;
-    options.context = render::Context::callers;
-    options.width = wide;
-    options.height = high;
+    options.context = render::Context::current;
+    options.width = wanted.width;
+    options.height = wanted.height;
     options.supersample = std::clamp(settings.samples, 1, 4);
     options.march = settings.classic ? render::March::classic : render::March::pyramid;
     auto made = render::Renderer::create(*session_->surface().surface, options);
     if (!made) return tl::unexpected(made.error());
     renderer_ = std::move(*made);
-    samples_ = settings.samples;
-    classic_ = settings.classic;
-    wants_shaders_ = !shaders_.empty();
-    picture_width_ = wide;
-    picture_height_ = high;
+    reload_shaders_ = !shaders_.empty();
+  } else if (wanted.width != drawn_.width || wanted.height != drawn_.height) {
+    if (auto resized = renderer_->resize(wanted.width, wanted.height); !resized) return resized;
+  }
+  const bool has_new_parts = is_new || wanted.mesh_cells != drawn_.mesh_cells;
+  drawn_ = wanted;
+  if (has_new_parts)
     if (auto shown = show(); !shown) return shown;
-  }
-  if (wide != picture_width_ || high != picture_height_) {
-    if (auto resized = renderer_->resize(wide, high); !resized) return resized;
-    picture_width_ = wide;
-    picture_height_ = high;
-  }
-  if (const int wanted = std::clamp(settings.mesh, 0, 1024); wanted != mesh_) {
-    mesh_ = wanted;
-    if (auto shown = show(); !shown) return shown;
-  }
   const session::LiveState& state = session_->state();
   const scene::Scene& scene = session_->scene();
   const std::size_t balls = std::min(scene.balls.size(), state.bodies);
   const std::optional<Vec3> tip =
-      settings.pen || sessions_pen_ ? std::optional<Vec3>(state.pen.proxy) : std::nullopt;
+      settings.pen || session_pen_ ? std::optional<Vec3>(state.pen.proxy) : std::nullopt;
   render::FrameScene frame =
       picture_->frame({state.pose.data(), balls}, {state.pose.data() + balls, state.bodies - balls}, tip);
   frame.camera = camera;

@@ -1,9 +1,10 @@
-// Whether files have changed since they were last looked at: by their times, asked for twice a second. A
-// folder counts with all files in it. One thread.
+// The running session, its renderer, and switching sessions. Private to window/; one thread (the window's),
+// with the window's context current.
 #pragma once
 
 #include <condition_variable>
 #include <filesystem>
+#include <future>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -19,10 +20,11 @@
 
 namespace intaglio::window {
 
+// Watches files: polls modification times twice a second; a folder includes its direct files.
 class FileWatch {
  public:
   void watch(std::vector<std::filesystem::path> paths);
-  // Whether anything has changed since watch() or the last change that was told, `now` in seconds.
+  // Whether anything has changed since watch() or the last reported change; `now` in seconds.
   bool has_changed(double now);
 
  private:
@@ -34,15 +36,12 @@ class FileWatch {
   double next_ = 0;
 };
 
-// Makes live sessions in a thread of its own, so that the window goes on while textures are read. Asked again
-// while it works, it makes what was asked for last. One thread (the window's).
-
 struct LoadRequest {
   scene::Scene scene;
   session::LiveSessionOptions options;
-  std::shared_ptr<haptics::Device> device;       // the pen's; none: the mouse
-  std::optional<scene::SceneSurface> surface;    // when it is known already
-  bool goes_on = false;                          // bodies go on where they are
+  std::shared_ptr<haptics::Device> device;     // the pen's; none: the mouse
+  std::optional<scene::SceneSurface> surface;  // if already loaded
+  bool keeps_bodies = false;                   // bodies keep their state
 };
 
 struct Loaded {
@@ -51,12 +50,14 @@ struct Loaded {
   LoadRequest request;
 };
 
+// Makes live sessions in a thread of its own, so that the window does not wait for textures. A newer request
+// replaces a pending one.
 class Loader {
  public:
   Loader();
   ~Loader();
 
-  void ask(LoadRequest request);
+  void request(LoadRequest request);
   std::optional<Loaded> take();
   bool is_busy();
 
@@ -65,36 +66,58 @@ class Loader {
 
   std::mutex mutex_;
   std::condition_variable wake_;
-  std::optional<LoadRequest> wanted_;
-  std::optional<Loaded> done_;
+  std::optional<LoadRequest> pending_;
+  std::optional<Loaded> result_;
   bool busy_ = false, closed_ = false;
   std::thread thread_;
 };
 
-// What is on: the session that runs, the renderer that shows it, and how one follows another. Private to
-// window/; one thread (the window's), with the window's context current.
+// The pen's device: a VRPN device or the mouse. Another device is connected while the old one stays in use.
+// Closing a connection may wait for the name resolver, so a thread of its own does that.
+class PenDevice {
+ public:
+  ~PenDevice();
+
+  // Connects to NAME@HOST (empty: the mouse) and waits for an answer.
+  Result<void> open(const std::string& name);
+  // Starts connecting when the settings name another device; `message` says what came of it. Whether the
+  // device has changed, so that a new session is needed.
+  bool update(const Settings& settings, double now, std::string& message);
+  // Why a requested device is not in use; empty if none is pending.
+  std::string connection_error(const Settings& settings) const;
+  std::shared_ptr<haptics::Device> device() const { return used_; }
+
+ private:
+  using Device = std::shared_ptr<haptics::vrpn::VrpnDevice>;
+  void retire(Device device);
+
+  std::string name_;          // requested
+  Device used_, connecting_;  // null: the mouse; none
+  double connecting_since_ = 0;
+  std::vector<std::future<void>> closing_;
+};
 
 class Stage {
  public:
-  // Opens sound and the pen's device; a note where one of them is not what was hoped for.
+  // Opens sound and the pen's device; returns a note if a fallback is used.
   Result<std::string> open(const std::string& audio, const std::string& device);
   ~Stage();
 
-  // Loads a scene from its own file or as it is; the one that is on stays until the new one is there.
-  void ask(const scene::Scene& scene, const Settings& settings, bool goes_on);
-  // A dropped file: a scene, or a texture for the floor. An error when it is neither.
+  // Loads a scene asynchronously; the current one runs until it is ready.
+  void request_scene(const scene::Scene& scene, const Settings& settings, bool keeps_bodies);
+  // A dropped file: a scene, or a texture for the floor; an error if it is neither.
   Result<void> drop(const std::filesystem::path& file, const Settings& settings);
-  // Asks again when the settings or the watched files need it. What there is to say.
-  std::string keep_up(const Settings& settings, double now);
-  // What there is to say at the end of a device that was asked for and has not answered.
-  std::string unanswered(const Settings& settings) const;
-  // Takes what has been loaded. Whether there is a new session; `message` says what went wrong or what is on.
-  bool poll(std::string& message);
+  // Reloads when settings or files have changed. Returns a message, or empty.
+  std::string update(const Settings& settings, double now);
+  std::string connection_error(const Settings& settings) const { return pen_.connection_error(settings); }
+  // Switches to a session that has been loaded, if there is one. Whether its scene is a new one; `message` is
+  // a note or the load error.
+  bool take_loaded(std::string& message);
 
   session::LiveSession* session() { return session_.get(); }
-  const scene::Scene& scene() const { return base_; }  // as its file says
+  const scene::Scene& scene() const { return scene_; }  // as its file has it, without the panels' changes
   void set_scene_file(const std::filesystem::path& file) { scene_file_ = file; }
-  // Draws with the shaders of this folder, and reads them again when they change.
+  // Uses the shaders of this folder, and reloads them when they change.
   void set_shaders(const std::filesystem::path& folder);
   bool is_loading() { return loader_.is_busy(); }
 
@@ -105,35 +128,37 @@ class Stage {
 
   session::AudioTap& tap() { return tap_; }
   sound::AudioDevice* audio() { return audio_.get(); }
-  // A model is being made, which nothing can stop.
+  // A bake is running and cannot be interrupted.
   bool is_baking() const { return baker_.is_busy(); }
 
  private:
   Result<void> show();
-  std::string keep_pen(const Settings& settings, double now);
+
+  // Options of the current renderer.
+  struct PictureOptions {
+    int width = 0, height = 0, samples = 0, mesh_cells = 0;
+    bool classic = false;
+  };
 
   session::AudioTap tap_;
   scene::VoiceBaker baker_;
   std::unique_ptr<sound::AudioDevice> audio_;
-  std::shared_ptr<haptics::vrpn::VrpnDevice> pen_, dialled_;  // asked for, and not heard of yet
-  std::shared_ptr<haptics::Device> sessions_pen_;             // of the session that is on
-  std::string device_;                                        // what was asked for last
-  double dialled_since_ = 0;
+  PenDevice pen_;
   Loader loader_;
-  scene::Scene base_, asked_base_;    // what is on, and what was asked for
-  std::optional<Settings> asked_;     // with which settings
+  scene::Scene scene_, requested_scene_;
+  std::optional<Settings> requested_settings_;
   std::filesystem::path scene_file_;
   FileWatch watch_, shader_watch_;
   std::filesystem::path shaders_;
-  bool wants_shaders_ = false;  // of the folder: not read yet by this renderer
+  bool reload_shaders_ = false;                   // the renderer does not have those of the folder yet
+  std::shared_ptr<haptics::Device> session_pen_;  // of session_, which it must outlive
   std::unique_ptr<session::LiveSession> session_;
   std::unique_ptr<scene::ScenePicture> picture_;
   std::unique_ptr<render::Renderer> renderer_;
-  int picture_width_ = 0, picture_height_ = 0, samples_ = 0, mesh_ = 0;
-  bool classic_ = false;
+  PictureOptions drawn_;
 };
 
-// The scene with what the panels changed.
+// The scene with the panels' changes.
 scene::Scene with_settings(scene::Scene scene, const Settings& settings);
 
 }  // namespace intaglio::window

@@ -1,5 +1,5 @@
-// The camera that a mouse and keys move: round a target (orbit), or as one looks (fly). Pure; metres,
-// radians.
+// The camera that the mouse and keys move, the projection of its picture, and picking in that picture. Pure;
+// metres, radians.
 #pragma once
 
 #include <optional>
@@ -14,62 +14,59 @@ namespace intaglio::window {
 
 class ViewCamera {
  public:
-  // As the scene's camera looks at the start; home() goes back there.
+  // home() goes back to `start`.
   explicit ViewCamera(const render::Camera& start);
 
-  // `across` and `up` in parts of the picture's height.
-  void orbit(double across, double up);  // round the target
-  void look(double across, double up);   // from where it is
-  void pan(double across, double up);    // what is under the mouse stays under it
-  void zoom(double notches);             // towards the target, a tenth of the way a notch
-  void fly(const Vec3& step);            // right, up, ahead; in distances to the target
+  // dx to the right and dy up, in fractions of the picture's height.
+  void orbit(double dx, double dy);  // around the target
+  void look(double dx, double dy);   // around the eye
+  void pan(double dx, double dy);    // the target moves with the mouse
+  void zoom(double notches);         // towards the target, a tenth of the way a notch
+  void fly(const Vec3& step);        // right, up, forward; in units of the distance to the target
   void home() { *this = ViewCamera(start_); }
 
   const render::Camera& camera() const { return camera_; }
 
  private:
-  Vec3 ahead() const { return (camera_.target - camera_.eye).normalized(); }
-  Vec3 right() const { return ahead().cross(Vec3::UnitY()).normalized(); }
+  Vec3 forward() const { return (camera_.target - camera_.eye).normalized(); }
+  Vec3 right() const { return forward().cross(Vec3::UnitY()).normalized(); }
   double distance() const { return (camera_.target - camera_.eye).norm(); }
-  // A direction turned by the mouse, never quite up or down.
-  Vec3 turned(const Vec3& direction, double across, double up) const;
+  // A direction rotated by the mouse, never quite to vertical.
+  Vec3 rotated(const Vec3& direction, double dx, double dy) const;
 
   render::Camera start_, camera_;
 };
 
-// A world point in the picture: x to the right, y down, 0..1; not in front of the camera: nothing. And the
-// ray through such a place, from the eye.
+// From the world to the picture (x to the right, y down, 0..1) and back.
 struct Projection {
   Projection(const render::Camera& camera, double aspect);
 
-  std::optional<Vec2> project(const Vec3& world) const;
-  Vec3 ray(const Vec2& place) const;  // unit
+  std::optional<Vec2> project(const Vec3& world) const;  // nullopt behind the near plane
+  Vec3 ray(const Vec2& place) const;                     // unit, from the eye
 
-  Vec3 eye, right, up, ahead;
-  double tangent, aspect, near;  // tangent of half the vertical angle
+  Vec3 eye, right, up, forward;
+  double tan_half_fov, aspect, near;  // tangent of half the vertical angle
 };
-
-// What is under the mouse: a body, or a place of the floor. Pure.
 
 struct Picked {
   BodyId body = floor_body;   // the floor: none
-  Vec3 point = Vec3::Zero();  // where the ray meets it, world
+  Vec3 point = Vec3::Zero();  // on the ray, world
   double distance = 0;        // m along the ray
 };
 
-// The nearest body on the ray (`direction` unit). Balls exactly; other bodies by the balls or boxes that they
-// are made of.
+// The nearest body on the ray (`direction` unit): balls exactly, other bodies approximated by spheres and
+// boxes.
 std::optional<Picked> pick_body(const scene::Scene& scene, std::span<const Pose> poses, const Vec3& origin,
                                 const Vec3& direction);
 
-// Where the ray meets the floor's relief, or, beside the rectangle, its base plane.
-std::optional<Vec3> pick_floor(const surface::Surface& floor, bool has_relief, const Vec3& origin,
+// Where the ray meets the floor's relief, or its base plane outside the rectangle.
+std::optional<Vec3> pick_floor(const surface::Surface& floor, bool use_relief, const Vec3& origin,
                                const Vec3& direction);
 
-// Where the ray meets the front of a curved base, with the normal there.
 struct PickedBase {
   Vec3 point, normal;
 };
+// Where the ray meets the front of a curved base.
 std::optional<PickedBase> pick_base(const surface::TriangleMesh& base, const Vec3& origin,
                                     const Vec3& direction);
 

@@ -4,9 +4,11 @@
 // w decays at d = (alpha + beta w^2) / 2. Some published code swaps the two names. Values: docs/materials.md.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "intaglio/error.h"
 
@@ -40,5 +42,22 @@ std::span<const Material> materials();
 
 // The built-in material of that name, or an error that lists the names and the nearest one.
 Result<Material> find_material(std::string_view name);
+
+// What options take for a material: the name of a built-in one, or your own values.
+class MaterialChoice {
+ public:
+  MaterialChoice(const char* name) : name_(name) {}
+  MaterialChoice(std::string name) : name_(std::move(name)) {}
+  MaterialChoice(const Material& values) : values_(values) {}
+
+  // Errors: those of find_material.
+  Result<Material> material() const {
+    return values_ ? Result<Material>(*values_) : find_material(name_);
+  }
+
+ private:
+  std::string name_;
+  std::optional<Material> values_;
+};
 
 }  // namespace intaglio

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "intaglio/error.h"
-#include "intaglio/shape.h"
+#include "intaglio/solid.h"
 #include "intaglio/vec.h"
 
 namespace intaglio {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "contact/polyhedron.h"
-#include "intaglio/shape.h"
+#include "intaglio/solid.h"
 
 namespace intaglio::contact {
 

@@ -1,5 +1,4 @@
 #include "core/process.h"
-#include "core/clock.h"
 
 #include <fcntl.h>
 #include <signal.h>
@@ -61,12 +60,12 @@ Result<void> run_limited(const std::filesystem::path& program, const std::vector
     const rlimit limit{bytes, bytes};
     prlimit(child, RLIMIT_AS, &limit, nullptr);
   }
-  using Clock = std::chrono::steady_clock;
-  const auto end = Clock::now() + std::chrono::duration<double>(limits.seconds);
+  using SteadyClock = std::chrono::steady_clock;
+  const auto end = SteadyClock::now() + std::chrono::duration<double>(limits.seconds);
   int status = 0;
   pid_t ended = 0;
   for (auto pause = std::chrono::milliseconds(1); (ended = waitpid(child, &status, WNOHANG)) == 0;) {
-    if (Clock::now() > end) {
+    if (SteadyClock::now() > end) {
       kill(-child, SIGKILL);
       waitpid(child, &status, 0);
       return tl::unexpected(complaint(program, fmt::format("took more than {:.3g} s", limits.seconds)));

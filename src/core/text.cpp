@@ -7,6 +7,8 @@
 #include <ostream>
 #include <vector>
 
+#include "intaglio/version.h"
+
 namespace intaglio {
 
 std::string Error::message() const {
@@ -48,6 +50,12 @@ std::string json_quoted(std::string_view text) {
     }
   }
   return out + "\"";
+}
+
+const char* version() {
+  static const std::string text =
+      fmt::format("{}.{}.{}", INTAGLIO_VERSION_MAJOR, INTAGLIO_VERSION_MINOR, INTAGLIO_VERSION_PATCH);
+  return text.c_str();
 }
 
 }  // namespace intaglio

@@ -6,6 +6,7 @@
 #include "dynamics/approach.h"
 #include "dynamics/bullet_shape.h"
 #include "dynamics/textured_shape.h"
+#include "intaglio/bullet.h"
 
 namespace intaglio::dynamics {
 
@@ -31,6 +32,12 @@ bool has_feature(const btManifoldPoint& point, std::uint64_t feature) {
          static_cast<std::uint32_t>(point.m_index1) == static_cast<std::uint32_t>(feature);
 }
 
+// The shape that a user's SurfaceShape stands for, or one of the world's own.
+const TouchableShape& touchable(const btCollisionShape& shape) {
+  const auto* users = dynamic_cast<const bullet::SurfaceShape*>(&shape);
+  return users != nullptr ? users->impl() : static_cast<const TouchableShape&>(shape);
+}
+
 // m/s^2, on what bounces.
 double gravity_of(const btCollisionObject& object) {
   const btRigidBody* body = btRigidBody::upcast(&object);
@@ -46,7 +53,7 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
         swapped_(swapped),
         reports_(reports) {
     if (body.getCollisionShape()->getShapeType() == CUSTOM_CONCAVE_SHAPE_TYPE)
-      relief_ = static_cast<const TouchableShape*>(body.getCollisionShape());
+      relief_ = &touchable(*body.getCollisionShape());
     add_manifold(*body.getCollisionObject(), *textured.getCollisionObject());
   }
   ~SurfaceAlgorithm() override {
@@ -57,7 +64,7 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
                         const btDispatcherInfo& info, btManifoldResult* result) override {
     const btCollisionObjectWrapper& body = swapped_ ? *b : *a;
     const btCollisionObjectWrapper& textured = swapped_ ? *a : *b;
-    const auto& shape = static_cast<const TouchableShape&>(*textured.getCollisionShape());
+    const TouchableShape& shape = touchable(*textured.getCollisionShape());
     if (reports_) return report(shape, body, textured, *result);
     const Approach approach(body, textured, static_cast<double>(info.m_timeStep));
     const double slack = 0.01 * std::min(shape.texel(), approach.reach);

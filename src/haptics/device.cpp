@@ -18,14 +18,14 @@ Vec3 SimulatedDevice::read() {
   return (reached / model_.resolution).array().round().matrix() * model_.resolution;
 }
 
-Vec3 SimulatedDevice::wanted(double t) const {
+Vec3 SimulatedDevice::target(double t) const {
   const auto after = std::upper_bound(path_.begin(), path_.end(), t,
                                       [](double time, const Waypoint& w) { return time < w.time; });
   if (after == path_.begin()) return path_.front().position;
   if (after == path_.end()) return path_.back().position;
-  // Hermite between two waypoints, with tangents by the times of their neighbours (zero at both ends of the
-  // path).
-  const auto k = static_cast<std::size_t>(after - path_.begin()) - 1;
+  // Cubic Hermite curve; the tangent at a waypoint is the mean velocity between its neighbours, and zero at
+  // both ends of the path.
+  const auto k = std::size_t(after - path_.begin()) - 1;
   const auto tangent = [&](std::size_t i) -> Vec3 {
     if (i == 0 || i + 1 == path_.size()) return Vec3::Zero();
     return (path_[i + 1].position - path_[i - 1].position) / (path_[i + 1].time - path_[i - 1].time);
@@ -39,10 +39,10 @@ Vec3 SimulatedDevice::wanted(double t) const {
 }
 
 void SimulatedDevice::advance(double dt) {
-  // Semi-implicit Euler with the hand's damper taken implicitly: stable for any hand at servo rates.
-  const Vec3 target = wanted(time_ + dt);
-  const Vec3 target_velocity = (target - wanted(time_)) / dt;
-  const Vec3 push = hand_.stiffness * (target - position_) + hand_.damping * target_velocity + force_;
+  // Semi-implicit Euler with an implicit damper: stable for any hand at servo rates.
+  const Vec3 goal = target(time_ + dt);
+  const Vec3 goal_velocity = (goal - target(time_)) / dt;
+  const Vec3 push = hand_.stiffness * (goal - position_) + hand_.damping * goal_velocity + force_;
   velocity_ = (velocity_ + dt / hand_.mass * push) / (1 + dt * hand_.damping / hand_.mass);
   position_ += dt * velocity_;
   time_ += dt;

@@ -1,4 +1,4 @@
-// What a haptic device is to the servo loop: a position to read, a guarded force to write.
+// The interface of a haptic device: a position to read, a guarded force to write. And a simulated one.
 #pragma once
 
 #include <vector>
@@ -14,25 +14,23 @@ class Device {
 
   // Position of the tip in the device's own workspace, metres, as its encoders report it.
   virtual Vec3 read() = 0;
-  // The force (and torque, where displays_torque()) on the hand until the next write.
+  // The force on the hand until the next write, and the torque for a device that displays it (guard.h: torque
+  // is zero unless the guard's limits allow some).
   virtual void write(const GuardedForce& force) = 0;
 
-  // Turns the pen from upright (shaft along +Y) to how the grip is held. Asked only of devices that know.
+  // The rotation from an upright pen (shaft along +Y) to the grip's; called only when reads_orientation().
   virtual bool reads_orientation() const { return false; }
   virtual Quat orientation() { return Quat::Identity(); }
-  // 6-DOF devices display torque about the grip; to the others it is not sent.
-  virtual bool displays_torque() const { return false; }
-  // Seconds since the device was last heard of; 0 where it answers every read.
+  // Seconds since the device last answered; 0 for a device that answers every read.
   virtual double silent_for() const { return 0; }
 };
 
 // A simulated PHANToM Desktop in a simulated hand.
 //
-// The hand holds the grip with a spring and a damper and wants it to be on a scripted path; device and hand
-// together have a mass. Encoders have the PHANToM's resolution. Deterministic; real-time (no allocation after
-// construction).
+// The hand pulls the grip along a scripted path with a spring and a damper; device and hand together have a
+// mass. Encoders have the PHANToM's resolution. Deterministic; real-time (no allocation after construction).
 
-// Where the hand wants the tip to be at a time: between waypoints the path is a smooth Catmull-Rom curve.
+// The hand's target at a time; between waypoints the path is a Catmull-Rom curve.
 struct Waypoint {
   double time = 0;               // s
   Vec3 position = Vec3::Zero();  // m, device workspace
@@ -53,19 +51,19 @@ struct DeviceModel {
 
 class SimulatedDevice : public Device {
  public:
-  // `path` is ordered in time and not empty.
+  // `path` is ordered by time and not empty.
   SimulatedDevice(const DeviceModel& model, const Hand& hand, std::vector<Waypoint> path);
 
   Vec3 read() override;
   void write(const GuardedForce& force) override { force_ = force.newtons(); }
 
-  // Lets hand and device move for `dt` seconds under the force last written.
+  // Moves hand and device for `dt` seconds under the force last written.
   void advance(double dt);
 
   double time() const { return time_; }
-  const Vec3& position() const { return position_; }  // true, before the encoders
-  // Where the hand wants the tip at time t, metres.
-  Vec3 wanted(double t) const;
+  const Vec3& position() const { return position_; }  // exact, not rounded by the encoders
+  // The hand's target at time t, metres.
+  Vec3 target(double t) const;
 
  private:
   DeviceModel model_;

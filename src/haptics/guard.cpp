@@ -7,17 +7,17 @@ namespace intaglio::haptics {
 
 namespace {
 
-constexpr double least_ramp_in = 0.5;  // s
-// A late tick may not spend all of its lateness on one step of the force.
+constexpr double min_ramp_in = 0.5;  // s
+// A late tick may not make up its whole delay in one step of the force.
 constexpr double longest_slew = 0.005;  // s
 
-// v, or a shorter one of length `most`. The largest component first: the norm of a huge finite vector may
-// overflow.
-Vec3 shortened(Vec3 v, double most) {
+// v, shortened to `limit` if it is longer. Scaled by its largest component first: the norm of a huge finite
+// vector may overflow.
+Vec3 clamped_length(Vec3 v, double limit) {
   const double largest = v.cwiseAbs().maxCoeff();
-  if (largest > most) v *= most / largest;
+  if (largest > limit) v *= limit / largest;
   const double size = v.norm();
-  return size > most ? Vec3(v * (most / size)) : v;
+  return size > limit ? Vec3(v * (limit / size)) : v;
 }
 
 }  // namespace
@@ -26,14 +26,14 @@ Guard::Guard(const GuardLimits& limits)
     : limits_(limits),
       force_{limits.peak_force, limits.continuous_force, limits.slew_rate},
       torque_{limits.peak_torque, limits.continuous_torque, limits.torque_slew_rate} {
-  limits_.ramp_in = std::max(limits.ramp_in, least_ramp_in);
+  limits_.ramp_in = std::max(limits.ramp_in, min_ramp_in);
 }
 
 std::uint32_t Guard::fault_of(const GuardInput& input, double dt) const {
   using namespace guard_status;
   if (!input.wanted.is_finite() || !input.tip.allFinite() || !std::isfinite(input.time)) return not_a_number;
   std::uint32_t faults = 0;
-  // Written so that a heartbeat that is not a number, or of the future, is one that is late.
+  // Negated so that a heartbeat that is not a number, or in the future, counts as late.
   if (!(std::abs(input.time - input.scene_time) <= limits_.scene_timeout)) faults |= scene_stalled;
   if (!(std::abs(input.time - input.link_time) <= limits_.link_timeout)) faults |= link_lost;
   if (started_ && !(dt > 0 && dt <= limits_.loop_timeout)) faults |= loop_stalled;
@@ -41,7 +41,7 @@ std::uint32_t Guard::fault_of(const GuardInput& input, double dt) const {
   return faults;
 }
 
-GuardedForce Guard::nothing() {
+GuardedForce Guard::zero_force() {
   force_.last.setZero();
   torque_.last.setZero();
   return GuardedForce(Wrench{});
@@ -49,7 +49,7 @@ GuardedForce Guard::nothing() {
 
 void Guard::watch_speed(double speed, double dt) {
   if (speed > limits_.velocity_limit) {
-    status_ |= guard_status::too_fast;
+    status_ |= guard_status::hand_too_fast;
     enabled_for_ = 0;
   } else {
     enabled_for_ += dt;
@@ -64,19 +64,20 @@ void Guard::heat_up(Channel& channel, double dt) const {
 
 void Guard::limit(Channel& channel, const Vec3& wanted, double dt) {
   if (!(channel.peak > 0)) return;  // a device without torque
-  // Cold motors may go to the peak; the warmer, the less; at the limit, as much as they may for ever.
+  // The allowed force falls from the peak (cold motors) to the continuous limit (heat = 1).
   const double peak2 = channel.peak * channel.peak;
-  const double lasting2 = std::min(channel.continuous * channel.continuous, peak2);
-  const double allowed = std::sqrt(lasting2 + (peak2 - lasting2) * std::clamp(1 - channel.heat, 0.0, 1.0));
-  const Vec3 shorter = shortened(wanted, allowed);
-  if (shorter != wanted) {
+  const double continuous2 = std::min(channel.continuous * channel.continuous, peak2);
+  const double allowed =
+      std::sqrt(continuous2 + (peak2 - continuous2) * std::clamp(1 - channel.heat, 0.0, 1.0));
+  const Vec3 target = clamped_length(wanted, allowed);
+  if (target != wanted) {
     status_ |= guard_status::clamped;
-    if (allowed < 0.999 * channel.peak) status_ |= guard_status::warm;
+    if (allowed < 0.999 * channel.peak) status_ |= guard_status::thermally_limited;
   }
-  const Vec3 change = shorter - channel.last;
-  const Vec3 step = shortened(change, channel.slew_rate * std::min(dt, longest_slew));
+  const Vec3 change = target - channel.last;
+  const Vec3 step = clamped_length(change, channel.slew_rate * std::min(dt, longest_slew));
   if (step != change) status_ |= guard_status::slewed;
-  channel.last = step != change ? shortened(channel.last + step, channel.peak) : shorter;
+  channel.last = step != change ? clamped_length(channel.last + step, channel.peak) : target;
 }
 
 GuardedForce Guard::pass(const GuardInput& input) {
@@ -84,7 +85,7 @@ GuardedForce Guard::pass(const GuardInput& input) {
   const std::uint32_t faults = fault_of(input, dt);
   if ((status_ & guard_status::fault) != 0 || faults != 0) {
     if ((status_ & guard_status::fault) == 0) status_ = guard_status::fault | faults;
-    return nothing();
+    return zero_force();
   }
   status_ = 0;
   heat_up(force_, dt);
@@ -116,7 +117,7 @@ GuardedForce Guard::pass(const Vec3& wanted, double dt) {
 GuardedForce Guard::release() {
   enabled_for_ = 0;
   started_ = false;
-  return nothing();
+  return zero_force();
 }
 
 void Guard::rearm() {

@@ -15,15 +15,17 @@ namespace {
 
 constexpr std::string_view first_line = "# intaglio haptic log 1";
 constexpr std::string_view columns =
-    "time_s,device_x_m,device_y_m,device_z_m,device_qw,device_qx,device_qy,device_qz,tip_x_m,tip_y_m,tip_z_m,proxy_x_"
-    "m,proxy_y_m,proxy_z_m,v_x_m_s,v_y_m_s,v_z_m_s,u,v,surface_height_m,n_sx,n_sy,n_sz,touching,touching_ball,force_"
-    "x_N,force_y_N,force_z_N,wanted_x_N,wanted_y_N,wanted_z_N,torque_x_N_m,torque_y_N_m,torque_z_N_m,energy_surplus_"
-    "J,guard_status";
+    "time_s,"
+    "device_x_m,device_y_m,device_z_m,device_qw,device_qx,device_qy,device_qz,"
+    "tip_x_m,tip_y_m,tip_z_m,proxy_x_m,proxy_y_m,proxy_z_m,v_x_m_s,v_y_m_s,v_z_m_s,"
+    "u,v,surface_height_m,n_sx,n_sy,n_sz,touching,touching_ball,"
+    "force_x_N,force_y_N,force_z_N,wanted_x_N,wanted_y_N,wanted_z_N,torque_x_N_m,torque_y_N_m,torque_z_N_m,"
+    "energy_surplus_J,guard_status";
 constexpr std::size_t column_count = 36;
 
 using Row = std::array<double, column_count>;
 
-// One order of columns for both ways: `with(value)` is called for each.
+// The order of the columns, for reading and writing: calls `with(value)` for each up to `touching`.
 template <class Sample, class With>
 void each_column(Sample& s, const With& with) {
   const auto vector = [&](auto& v) {
@@ -43,6 +45,7 @@ void each_column(Sample& s, const With& with) {
   vector(s.n_s);
 }
 
+// The same for the columns after `touching_ball`.
 template <class Sample, class With>
 void each_later_column(Sample& s, const With& with) {
   for (auto* v : {&s.force, &s.wanted, &s.torque}) {
@@ -59,16 +62,16 @@ ServoSample sample_of(const Row& row) {
   sample.touching = row[next++] != 0;
   sample.touching_ball = row[next++] != 0;
   each_later_column(sample, take);
-  sample.guard_status = static_cast<std::uint32_t>(row[next]);
+  sample.guard_status = std::uint32_t(row[next]);
   return sample;
 }
 
-// Takes lines off a text, counting them.
+// Splits a text into lines and counts them.
 class Lines {
  public:
   Lines(std::string_view text, const std::string& name) : text_(text), name_(name) {}
 
-  // Absent at the end, and when the last line is not ended.
+  // Absent at the end, and for a last line without its newline.
   std::optional<std::string_view> next() {
     const std::size_t end = text_.find('\n', at_);
     if (end == std::string_view::npos) return std::nullopt;
@@ -79,7 +82,7 @@ class Lines {
     return line;
   }
   bool at_end() const { return at_ == text_.size(); }
-  // All before the line that was taken last.
+  // Everything before the line returned last.
   std::string_view before() const { return text_.substr(0, start_); }
   tl::unexpected<Error> error(std::string what, std::string fix = {}) const {
     return fail(fmt::format("{}:{}", name_, number_), std::move(what), std::move(fix));
@@ -98,7 +101,7 @@ bool parse(std::string_view text, Number& value, Base... base) {
   return error == std::errc() && end == text.data() + text.size();
 }
 
-// "# key value": the value.
+// The value of a line "# key value".
 std::optional<std::string_view> header_value(Lines& lines, std::string_view key) {
   const auto line = lines.next();
   const std::string start = fmt::format("# {} ", key);
@@ -113,7 +116,7 @@ bool parse_row(std::string_view line, Row& row) {
     if (!parse(line.substr(0, comma), row[k])) return false;
     if (comma != std::string_view::npos) line.remove_prefix(comma + 1);
   }
-  // A status is a whole number of 32 bits.
+  // The status is a 32-bit integer.
   return row.back() >= 0 && row.back() <= 4294967295.0;
 }
 
@@ -132,7 +135,7 @@ std::uint64_t fingerprint(const surface::Surface& surface) {
   }
   hash.add(surface.placement().size_u());
   hash.add(surface.placement().size_v());
-  hash.add(static_cast<int>(surface.edge()));
+  hash.add(int(surface.edge()));
   return hash.value();
 }
 
@@ -145,7 +148,7 @@ std::string encode_log(double rate, std::string_view texture, std::uint64_t surf
   const auto add = [&](double value) { fmt::format_to(std::back_inserter(out), ",{}", value); };
   for (std::size_t k = 0; k < samples.size(); ++k) {
     const ServoSample& s = samples[k];
-    fmt::format_to(std::back_inserter(out), "{}", static_cast<double>(k) / rate);
+    fmt::format_to(std::back_inserter(out), "{}", double(k) / rate);
     each_column(s, add);
     add(s.touching ? 1 : 0);
     add(s.touching_ball ? 1 : 0);
@@ -175,15 +178,15 @@ Result<HapticLog> decode_log(std::string_view text, const std::string& name) {
   while (const auto line = lines.next()) {
     if (line->substr(0, 2) == "# ") {
       const std::string end = fmt::format("# end {} {:016x}", log.samples.size(), hash_of(lines.before()));
-      if (*line != end) return lines.error("the log was changed: its rows are not those that were written");
-      if (!lines.at_end()) return lines.error("there is text after the end");
+      if (*line != end) return lines.error("checksum mismatch: the log was modified");
+      if (!lines.at_end()) return lines.error("text after the end of the log");
       return log;
     }
     Row row;
     if (!parse_row(*line, row)) return lines.error(fmt::format("not {} numbers", column_count));
     log.samples.push_back(sample_of(row));
   }
-  return lines.error("the log is cut short", "its last line is \"# end ROWS HASH\"");
+  return lines.error("the log is truncated", "its last line is \"# end ROWS HASH\"");
 }
 
 }  // namespace intaglio::haptics

@@ -1,10 +1,10 @@
-// A session of touch as a file: every tick's pose, contact and force, and which texture it was felt on.
+// A recorded haptic session: the pose, contact and force of every tick, and the texture on which they were
+// felt.
 //
-// Text, CSV: four lines of header (format, rate, texture, fingerprint of the surface), the names of the
-// columns with their units, a row a tick, and a last line with the number of rows and a hash of all before
-// it, so that a file that was cut or changed is told from a whole one. Numbers are the shortest that read
-// back exactly: a replay (devices/replay.h) gives the same forces to the bit. Not real-time; 400 bytes a
-// tick.
+// CSV: four header lines (format, rate, texture, fingerprint of the surface), the column names with their
+// units, one row per tick, and a last line with the number of rows and a hash of everything before it, so
+// that truncated or edited files are detected. Numbers are the shortest that read back exactly, so that a
+// ReplayDevice reproduces the forces to the bit. Not real-time; 400 bytes per tick.
 #pragma once
 
 #include <algorithm>
@@ -22,24 +22,21 @@ namespace intaglio::haptics {
 
 struct HapticLog {
   double rate = 1000;                // Hz
-  std::string texture;               // its name, one line
-  std::uint64_t surface = 0;         // fingerprint of what was felt
-  std::vector<ServoSample> samples;  // one a tick, the first at time 0
+  std::string texture;               // name, one line
+  std::uint64_t surface = 0;         // fingerprint()
+  std::vector<ServoSample> samples;  // one per tick, the first at time 0
 };
 
-// Of what a tip can feel of a surface: depths, sizes, edge; not where it lies.
+// Hash of everything about a surface that a tip can feel: depths, sizes, edge mode; not its pose.
 std::uint64_t fingerprint(const surface::Surface& surface);
 
 std::string encode_log(double rate, std::string_view texture, std::uint64_t surface,
                        std::span<const ServoSample> samples);
-// Errors name the line. `name` stands for the file.
+// Errors name the line; `name` is the file's name for them.
 Result<HapticLog> decode_log(std::string_view text, const std::string& name);
 
-// A device that moves as one did before: the poses of a recording (haptic_log.h), one a read.
-//
-// Forces written to it are compared with those that were recorded. Real-time. At the end it stays where it
-// is.
-
+// Replays the poses of a recording, one per read, and compares the forces written to it with the recorded
+// ones. Stays at the last pose at the end. Real-time.
 class ReplayDevice : public Device {
  public:
   // `samples` outlive the device and are not empty.
@@ -57,11 +54,11 @@ class ReplayDevice : public Device {
   }
 
   bool at_end() const { return next_ >= samples_.size(); }
-  // Between a force written and the one recorded in its tick, N.
+  // Largest difference between a force written and the one recorded in that tick, N.
   double largest_difference() const { return largest_difference_; }
 
  private:
-  // What a device that tells no orientation leaves in a recording.
+  // Devices without orientation are recorded as upright.
   static bool upright(const Quat& q) { return q.coeffs() == Quat::Identity().coeffs(); }
 
   std::span<const ServoSample> samples_;

@@ -1,4 +1,4 @@
-// Eq. 1.3, Sterling & Lin 2016, §1.2.4: the plane that a haptic device is told to be.
+// The paper's haptic contact (§1.2.4, §1.3.2): a plane that the device simulates, made once per video frame.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace intaglio::haptics {
 
-// All x with normal . x = offset. SI, world frame; normal is unit.
+// The points x with normal . x = offset. SI, world frame; the normal is unit.
 struct Plane {
   Vec3 normal = Vec3::UnitY();
   double offset = 0;
@@ -19,15 +19,14 @@ struct Plane {
   double distance(const Vec3& x) const { return normal.dot(x) - offset; }
 };
 
-// The plane through p, the tip projected onto the surface, with the sampled unit normal n_s: n_s . x - n_s .
-// p = 0.
+// The plane through p, the tip projected onto the surface, with the sampled unit normal n_s:
+//     n_s . x - n_s . p = 0.
 // Eq. 1.3, Sterling & Lin 2016, §1.2.4
 inline Plane tangent_plane(const Vec3& p, const Vec3& n_s) {
   return {n_s, n_s.dot(p)};
 }
 
-// The penalty force of a plane on a tip: a damped spring that pushes and never pulls (§1.2.4).
-
+// Penalty force of a plane on a tip: a damped spring that pushes and never pulls (§1.2.4).
 struct Spring {
   double stiffness = 600;  // N/m
   double damping = 1.0;    // N s/m
@@ -40,15 +39,14 @@ inline Vec3 plane_force(const Plane& plane, const Spring& spring, const Vec3& x,
   return std::max(0.0, spring.stiffness * depth - spring.damping * v.dot(plane.normal)) * plane.normal;
 }
 
-// The paper's collision test of the pen's tip: against the base plane, or in relief against the depth map.
-
+// The paper's collision test of the pen's tip, against the base plane or, in relief, the depth map.
 struct DepthTest {
   bool collides = false;
   Vec3 projected = Vec3::Zero();  // local; the point of the surface under the tip
 };
 
-// Whether the tip (local frame) collides, and the point of the surface under it: in relief only below the
-// depth map, otherwise below the base plane; never beside the rectangle. Real-time, 0.05 us.
+// The tip (local frame) collides below the depth map in relief, below the base plane otherwise, and never
+// beside the rectangle. Real-time, 0.05 us.
 // §1.3.2, Sterling & Lin 2016
 inline DepthTest depth_test(const surface::Surface& surface, Representation representation,
                             const Vec3& tip_local) {
@@ -58,15 +56,14 @@ inline DepthTest depth_test(const surface::Surface& surface, Representation repr
   return {tip_local.z() < z, Vec3(tip_local.x(), tip_local.y(), z)};
 }
 
-// The paper's contact: once per picture the tip is tested against the depth map and a plane is made there;
-// until the next picture the device feels that plane, whatever the texture does under the moving tip.
+// The paper's contact: once per video frame the tip is tested against the depth map and a plane is made
+// there; until the next frame the hand feels that plane, whatever the texture does under the moving tip.
 //
-// Body frame of a slab, SI. Kept as the baseline: it has no potential, so that a closed path can give energy.
-// Real-time, 0.15 us at a picture, nothing in between.
-
+// Body frame of a slab, SI. Kept as the baseline: it has no potential, so a closed path can yield energy.
+// Real-time, 0.15 us per video frame, nothing in between.
 class HeldPlane {
  public:
-  // `rate` in pictures a second; at or above the servo rate the plane is made anew every tick.
+  // `rate` in frames per second; at or above the servo rate the plane is remade every tick.
   explicit HeldPlane(double rate) : period_(1 / rate) {}
 
   struct Contact {
@@ -82,7 +79,7 @@ class HeldPlane {
     since_ += dt;
     if (since_ >= period_ * (1 - 1e-9)) {
       since_ = since_ < 2 * period_ ? since_ - period_ : 0;
-      see(surface, representation, x);
+      update_plane(surface, representation, x);
     }
     Contact contact{false, Vec3::Zero(), plane_.normal, x, 0};
     const double depth = -plane_.distance(x);
@@ -93,13 +90,13 @@ class HeldPlane {
     contact.energy = 0.5 * spring.stiffness * depth * depth;
     return contact;
   }
-  void forget() {
+  void reset() {
     since_ = period_;
     collides_ = false;
   }
 
  private:
-  void see(const surface::Surface& surface, Representation representation, const Vec3& x) {
+  void update_plane(const surface::Surface& surface, Representation representation, const Vec3& x) {
     const surface::Placement& place = surface.placement();
     const DepthTest test = depth_test(surface, representation, place.to_local(x));
     collides_ = test.collides;

@@ -6,21 +6,21 @@ namespace intaglio::haptics {
 
 namespace {
 
-// Abscissae and weights of Gauss and Legendre, 8 points on -1..1, twice: two panels of the shaft.
-constexpr std::array<double, 4> abscissa = {0.18343464249564980494, 0.52553240991632898582,
-                                            0.79666647741362673959, 0.96028985649753623168};
+// Gauss-Legendre nodes and weights: 8 points on -1..1 (symmetric), for each of two panels of the shaft.
+constexpr std::array<double, 4> node = {0.18343464249564980494, 0.52553240991632898582,
+                                        0.79666647741362673959, 0.96028985649753623168};
 constexpr std::array<double, 4> weight = {0.36268378337836198297, 0.31370664587788728734,
                                           0.22238103445337447054, 0.10122853629037625915};
 
-// Calls visit(s, ds) at the points of the shaft.
+// Calls visit(s, ds) at the nodes along the shaft.
 template <class Visit>
 void integrate(const PenShape& shape, const Visit& visit) {
   const double half = 0.25 * (shape.length - shape.taper);
   for (int panel = 0; panel < 2; ++panel) {
     const double middle = shape.taper + (2 * panel + 1) * half;
-    for (std::size_t k = 0; k < abscissa.size(); ++k) {
-      visit(middle - half * abscissa[k], half * weight[k]);
-      visit(middle + half * abscissa[k], half * weight[k]);
+    for (std::size_t k = 0; k < node.size(); ++k) {
+      visit(middle - half * node[k], half * weight[k]);
+      visit(middle + half * node[k], half * weight[k]);
     }
   }
 }
@@ -55,7 +55,7 @@ BallContact touch_ball(const PenShape& shape, const PenPose& pose, const Vec3& t
   contact.point = pose.at(s);
   const Vec3 away = contact.point - ball.position;
   const double distance = away.norm();
-  // The shaft swells from the tip's radius to its own over the taper.
+  // The radius grows from the tip's to the shaft's over the taper.
   const double radius =
       shape.tip_radius + (shape.radius - shape.tip_radius) * std::min(1.0, s / std::max(shape.taper, 1e-9));
   const double depth = ball.radius + radius - distance;

@@ -1,8 +1,8 @@
-// What the scene tells the servo loop, and what the loop tells the scene: plain values, copied through
-// latest-value slots (core/latest.h).
+// The pen in the hand, and the data that scene and servo loop exchange about it.
 //
-// The loop runs several ticks on one snapshot: bodies go on moving as they did when it was taken. Reactions
-// are sums since the start, so that nothing is lost when the scene reads only every tenth of them.
+// Snapshots and reports are plain values, copied through latest-value slots (core/lock_free.h). The loop runs
+// several ticks on one snapshot and extrapolates bodies with constant velocity. Reactions are sums since the
+// start, so that nothing is lost when the scene reads only every tenth report.
 #pragma once
 
 #include <array>
@@ -15,16 +15,16 @@
 
 namespace intaglio::haptics {
 
-inline constexpr std::size_t most_balls = 32;
+inline constexpr std::size_t max_balls = 32;
 
 // World frame, SI.
 struct BodyMotion {
-  Pose pose;                             // moves the surface from where its placement says
+  Pose pose;                             // of the surface, relative to its placement
   Vec3 velocity = Vec3::Zero();          // m/s, of pose.position
   Vec3 angular_velocity = Vec3::Zero();  // rad/s
 
-  // Where the body is `seconds` after the snapshot.
-  Pose after(double seconds) const {
+  // The pose `seconds` after the snapshot.
+  Pose extrapolated(double seconds) const {
     return {pose.position + seconds * velocity, rotation(seconds * angular_velocity) * pose.orientation};
   }
 };
@@ -35,9 +35,9 @@ struct SceneBall {
 };
 
 struct SceneSnapshot {
-  double time = 0;      // s, on the loop's clock, when it was taken
-  BodyMotion textured;  // the body whose skin is the surface
-  std::array<SceneBall, most_balls> balls;
+  double time = 0;      // s on the loop's clock, when it was taken
+  BodyMotion textured;  // the body that carries the surface
+  std::array<SceneBall, max_balls> balls;
   std::size_t ball_count = 0;
 };
 
@@ -50,24 +50,23 @@ struct ServoReport {
   bool touching = false;
   std::uint32_t guard_status = 0;
   std::size_t ticks = 0;
-  std::array<Vec3, most_balls> ball_impulse{};   // N s on each ball since the start, world
+  std::array<Vec3, max_balls> ball_impulse{};    // N s on each ball since the start, world
   Vec3 textured_impulse = Vec3::Zero();          // N s on the textured body since the start
   Vec3 textured_angular_impulse = Vec3::Zero();  // N m s about its pose's position
 };
 
-// The pen in the hand: a tip, a shaft, a grip; and the wrench of what touches the shaft.
-
+// A tip, a shaft, a grip.
 struct PenShape {
   double length = 0.15;                  // m, tip to end
   double radius = 0.005;                 // m, of the shaft
   double tip_radius = 0.001;             // m: the tip feels the relief averaged over its diameter
-  double grip = 0.06;                    // m from the tip: torque is about there
-  double taper = 0.02;                   // m from the tip, where the shaft begins to collide with the texture
-  double shaft_stiffness = 0;            // N/m a metre of shaft, against the texture; 0: only the tip touches
-  Vec3 direction = Vec3(0.25, 1, 0.35);  // from the tip up the shaft, where the device tells no orientation
+  double grip = 0.06;                    // m from the tip: the reference point of torque
+  double taper = 0.02;                   // m from the tip, from which on the shaft collides with the texture
+  double shaft_stiffness = 0;            // N/m per metre of shaft, against the texture; 0: tip only
+  Vec3 direction = Vec3(0.25, 1, 0.35);  // from the tip up the shaft, for devices without orientation
 };
 
-// Where the pen is. Any frame.
+// In any frame.
 struct PenPose {
   Vec3 tip = Vec3::Zero();
   Vec3 up = Vec3::UnitY();  // unit, from the tip to the end
@@ -75,16 +74,18 @@ struct PenPose {
   Vec3 at(double s) const { return tip + s * up; }
 };
 
-// The line of the shaft pressed into a solid: the energy 1/2 k (depth + radius)^2 a metre, integrated by 16
-// Gauss points, and its exact derivative with respect to the pen's position and rotation. Wrench about the
-// grip, frame of the solid. 16 samples of the solid at most: 1 us on a slab.
+// The wrench, about the grip and in the solid's frame, of a shaft pressed into a solid: the exact derivative
+// of shaft_energy() with respect to the pen's position and rotation. At most 16 samples of the solid: 1 us on
+// a slab.
 Wrench shaft_wrench(const Solid& solid, const PenShape& shape, const PenPose& pose);
+// The potential of that wrench, J: 1/2 k (depth + radius)^2 per metre of shaft, by 16 Gauss points. For
+// tests.
 double shaft_energy(const Solid& solid, const PenShape& shape, const PenPose& pose);
 
-// Pen (a capsule) against a ball: a spring along the shortest line, damped, never pulling. World frame.
+// The pen (a capsule) against a ball: a damped spring along the shortest line that never pulls. World frame.
 struct BallContact {
   bool touching = false;
-  Vec3 force = Vec3::Zero();  // N, on the pen; the ball gets the opposite
+  Vec3 force = Vec3::Zero();  // N, on the pen; its opposite acts on the ball
   Vec3 point = Vec3::Zero();  // m, on the pen's axis
 };
 BallContact touch_ball(const PenShape& shape, const PenPose& pose, const Vec3& tip_velocity,

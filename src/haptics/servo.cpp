@@ -14,21 +14,21 @@ SolidOptions solid_options(const ServoOptions& options) {
   return {options.representation, 2 * options.pen.tip_radius, options.thickness};
 }
 
-// Normals without a height have no potential: only the paper's plane can show them.
-HapticMethod possible(const ServoOptions& options, const surface::Surface& surface) {
+// Normals without a height have no potential: only the paper's plane can display them.
+HapticMethod effective_method(const ServoOptions& options, const surface::Surface& surface) {
   const bool normals_only = options.representation == Representation::normal && !surface.has_depth();
   return normals_only ? HapticMethod::plane : options.method;
 }
 
-// What sampling makes of a spring is 1/2 K dx^2 a tick: twice the damping that takes that away.
-PassivityOptions passivity_options(const ContactStiffness& stiffness, double rate) {
+// Sampling a spring adds 1/2 K dx^2 per tick; damping of K T / 2 would dissipate that. Allow twice as much.
+PassivityOptions passivity_options(const ContactSprings& stiffness, double rate) {
   PassivityOptions options;
-  options.most_damping = stiffness.coupling / rate;
+  options.max_damping = stiffness.coupling / rate;
   return options;
 }
 
-// Damps motion along the normal without ever pulling.
-Vec3 damped(const Vec3& force, const Vec3& normal, const Vec3& velocity, double damping) {
+// Adds damping along the normal, without ever pulling.
+Vec3 with_damping(const Vec3& force, const Vec3& normal, const Vec3& velocity, double damping) {
   const double push = force.dot(normal);
   return push > 0 ? Vec3(force + std::max(-push, -damping * normal.dot(velocity)) * normal) : force;
 }
@@ -37,7 +37,7 @@ Vec3 damped(const Vec3& force, const Vec3& normal, const Vec3& velocity, double 
 
 PenServo::PenServo(std::shared_ptr<const surface::Surface> surface, const ServoOptions& options)
     : PenServo(surface, std::make_shared<TexturedSlab>(surface, solid_options(options)), options) {
-  options_.method = possible(options, *surface_);
+  options_.method = effective_method(options, *surface_);
 }
 
 PenServo::PenServo(std::shared_ptr<const surface::Surface> surface, std::shared_ptr<const Solid> solid,
@@ -45,14 +45,14 @@ PenServo::PenServo(std::shared_ptr<const surface::Surface> surface, std::shared_
     : surface_(std::move(surface)),
       solid_(std::move(solid)),
       options_(options),
-      stiffness_(ContactStiffness::felt(options.spring.stiffness /
-                                        (options.workspace.scale * options.workspace.scale))),
+      stiffness_(ContactSprings::for_felt_stiffness(options.spring.stiffness /
+                                                    (options.workspace.scale * options.workspace.scale))),
       spring_{options.spring.stiffness / (options.workspace.scale * options.workspace.scale),
               options.spring.damping / (options.workspace.scale * options.workspace.scale)},
       plane_(std::min(options.plane_rate, options.rate)),
       passivity_(passivity_options(stiffness_, options.rate)),
       guard_(options.limits),
-      keep_(elementary::exp(-2 * std::numbers::pi * options.velocity_cutoff / options.rate)) {
+      filter_keep_(elementary::exp(-2 * std::numbers::pi * options.velocity_cutoff / options.rate)) {
   options_.method = HapticMethod::potential;
   options_.pen.direction.normalize();
 }
@@ -62,33 +62,34 @@ void PenServo::rearm() {
   started_ = false;
 }
 
-bool PenServo::read(Device& device, const SceneSnapshot& scene, double time, Motion& motion) {
+bool PenServo::read(Device& device, const SceneSnapshot& scene, double time, TickMotion& motion) {
   device_tip_ = device.read();
   const bool turns = device.reads_orientation();
-  device_turn_ = turns ? device.orientation() : Quat::Identity();
-  if (!device_tip_.allFinite() || !device_turn_.coeffs().allFinite() || !std::isfinite(time)) return false;
-  motion.body = scene.textured.after(time - scene.time);
+  device_orientation_ = turns ? device.orientation() : Quat::Identity();
+  if (!device_tip_.allFinite() || !device_orientation_.coeffs().allFinite() || !std::isfinite(time))
+    return false;
+  motion.body = scene.textured.extrapolated(time - scene.time);
   motion.world_pen = {options_.workspace.to_world(device_tip_),
-                      turns ? Vec3(device_turn_ * Vec3::UnitY()) : options_.pen.direction};
+                      turns ? Vec3(device_orientation_ * Vec3::UnitY()) : options_.pen.direction};
   motion.pen = {motion.body.to_local(motion.world_pen.tip),
                 motion.body.orientation.conjugate() * motion.world_pen.up};
   if (!started_) {
-    last_ = motion.pen.tip;
+    last_tip_ = motion.pen.tip;
     velocity_.setZero();
-    proxy_.forget();
-    plane_.forget();
+    proxy_.reset();
+    plane_.reset();
     passivity_.reset();
-    passivity_.sent(Vec3::Zero());
+    passivity_.set_sent(Vec3::Zero());
   }
-  motion.displacement = motion.pen.tip - last_;
-  velocity_ = keep_ * velocity_ + (1 - keep_) * options_.rate * motion.displacement;
+  motion.displacement = motion.pen.tip - last_tip_;
+  velocity_ = filter_keep_ * velocity_ + (1 - filter_keep_) * options_.rate * motion.displacement;
   motion.velocity = velocity_;
-  last_ = motion.pen.tip;
+  last_tip_ = motion.pen.tip;
   started_ = true;
   return true;
 }
 
-PenServo::Touch PenServo::touch(const Motion& motion) {
+PenServo::TipContact PenServo::touch(const TickMotion& motion) {
   const Vec3& x = motion.pen.tip;
   if (options_.method == HapticMethod::plane) {
     const auto c =
@@ -97,14 +98,14 @@ PenServo::Touch PenServo::touch(const Motion& motion) {
   }
   const auto c = proxy_.move(*solid_, x, stiffness_, options_.friction);
   if (!c.touching) return {false, Vec3::Zero(), c.normal, x, 0};
-  return {true, damped(c.force, c.normal, motion.velocity, spring_.damping), c.normal, proxy_.position(),
-          c.energy};
+  return {true, with_damping(c.force, c.normal, motion.velocity, spring_.damping), c.normal,
+          proxy_.position(), c.energy};
 }
 
-Vec3 PenServo::touch_balls(const Motion& motion, const SceneSnapshot& scene, Wrench& wrench) {
+Vec3 PenServo::touch_balls(const TickMotion& motion, const SceneSnapshot& scene, Wrench& wrench) {
   Vec3 sum = Vec3::Zero();
   const Vec3 tip_velocity = motion.body.orientation * motion.velocity;
-  for (std::size_t k = 0; k < std::min(scene.ball_count, most_balls); ++k) {
+  for (std::size_t k = 0; k < std::min(scene.ball_count, max_balls); ++k) {
     SceneBall ball = scene.balls[k];
     ball.position += (time_ - scene.time) * ball.velocity;
     const BallContact contact =
@@ -117,7 +118,7 @@ Vec3 PenServo::touch_balls(const Motion& motion, const SceneSnapshot& scene, Wre
   return sum;
 }
 
-void PenServo::describe(const Motion& motion, const Touch& touch, ServoSample& sample) const {
+void PenServo::fill_sample(const TickMotion& motion, const TipContact& touch, ServoSample& sample) const {
   const surface::Placement& place = surface_->placement();
   sample.tip = motion.world_pen.tip;
   sample.velocity = motion.body.orientation * motion.velocity;
@@ -140,7 +141,7 @@ GuardedForce PenServo::send(Device& device, const Wrench& wanted, const SceneSna
   const GuardedForce guarded = guard_.pass(input);
   device.write(guarded);
   sample.device = device_tip_;
-  sample.orientation = device_turn_;
+  sample.orientation = device_orientation_;
   sample.force = guarded.newtons();
   sample.wanted = wanted.force;
   sample.torque = wanted.torque;
@@ -148,9 +149,8 @@ GuardedForce PenServo::send(Device& device, const Wrench& wanted, const SceneSna
   return guarded;
 }
 
-ServoSample PenServo::refuse(Device& device, double time) {
-  // The guard sees the bad number, so that it latches; the filters do not, so that rearm() brings back a
-  // sound state.
+ServoSample PenServo::reject_reading(Device& device, double time) {
+  // The guard sees the bad number, so that it latches; the filters do not, so that rearm() finds them sound.
   started_ = false;
   ServoSample sample;
   SceneSnapshot scene;
@@ -161,7 +161,7 @@ ServoSample PenServo::refuse(Device& device, double time) {
   return sample;
 }
 
-void PenServo::remember(const Wrench& about_body, const ServoSample& sample, double time) {
+void PenServo::update_report(const Wrench& about_body, const ServoSample& sample, double time) {
   report_.time = time;
   report_.tip = sample.tip;
   report_.proxy = sample.proxy;
@@ -182,19 +182,18 @@ ServoSample PenServo::tick(Device& device) {
 
 ServoSample PenServo::tick(Device& device, const SceneSnapshot& scene, double time) {
   time_ = time;
-  Motion motion;
-  if (!read(device, scene, time, motion)) return refuse(device, time);
+  TickMotion motion;
+  if (!read(device, scene, time, motion)) return reject_reading(device, time);
   ServoSample sample;
-  Touch touch = this->touch(motion);
+  TipContact touch = this->touch(motion);
   passivity_.observe(motion.displacement, touch.energy);
   if (options_.passivity && touch.touching)
-    touch.force += passivity_.damp(motion.displacement, 1 / options_.rate);
-  describe(motion, touch, sample);
+    touch.force += passivity_.damping_force(motion.displacement, 1 / options_.rate);
+  fill_sample(motion, touch, sample);
   sample.energy_surplus = passivity_.surplus();
 
   const Vec3 tip_force = motion.body.orientation * touch.force;
   const Vec3 grip = motion.world_pen.at(options_.pen.grip);
-  // The tip's force acts where the tip is.
   Wrench wrench = Wrench::of(tip_force, motion.world_pen.tip, grip);
   Wrench shaft;
   if (options_.pen.shaft_stiffness > 0) {
@@ -207,14 +206,14 @@ ServoSample PenServo::tick(Device& device, const SceneSnapshot& scene, double ti
 
   const double scale = options_.workspace.scale;
   const GuardedForce guarded = send(device, {scale * wrench.force, wrench.torque}, scene, time, sample);
-  // What the guard took away it took from the texture's part.
+  // Attributes the guard's reduction to the texture's force.
   const Vec3 sent = guarded.newtons() / scale - ball_force - shaft.force;
-  passivity_.sent(motion.body.orientation.conjugate() * sent);
-  const bool whole = (sample.guard_status & (guard_status::ramping | guard_status::fault)) == 0;
-  if (!whole) passivity_.reset(touch.energy);
+  passivity_.set_sent(motion.body.orientation.conjugate() * sent);
+  const bool reduced = (sample.guard_status & (guard_status::ramping | guard_status::fault)) != 0;
+  if (reduced) passivity_.reset(touch.energy);
   Wrench about_body = Wrench::of(tip_force, sample.proxy, motion.body.position);
   about_body += shaft.about(motion.body.position - grip);
-  remember(about_body, sample, time);
+  update_report(about_body, sample, time);
   return sample;
 }
 

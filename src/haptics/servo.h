@@ -1,11 +1,12 @@
 // One tick of the haptic loop: device, contact, friction, passivity, guard, device.
 //
 // Two methods. `potential`, the default: the surface is sampled every tick and the force comes from a stored
-// energy (proxy.h), so that nothing the texture does can give energy to the hand. `plane`: the paper's, a
-// plane once per picture (held_plane.h).
+// energy (proxy.h), so that no texture can feed energy to the hand. `plane`: the paper's, a plane once per
+// video frame (held_plane.h).
 //
-// The springs are computed in world metres and felt in device metres: a workspace that shows s world metres a
-// device metre has K / s^2 in the world, force f there is s f at the hand, and joules are the same in both.
+// Springs act in world metres and are specified in device metres. In a workspace that shows s world metres
+// per device metre, a spring of K at the hand is K / s^2 in the world, and a force f in the world is s f at
+// the hand: f dx is the same energy in both.
 //
 // Real-time: tick() does not allocate, lock, log or throw; about 0.5 us near a slab (bench_haptics). One
 // thread.
@@ -26,11 +27,10 @@
 
 namespace intaglio::haptics {
 
-// How the device's workspace lies in the world: world = origin + scale * device. Forces are felt at the
-// device's scale: a spring of K newtons a metre of *device* travel.
+// Maps the device's workspace to the world: world = origin + scale * device.
 struct WorkspaceMap {
   Vec3 origin = Vec3::Zero();  // m, world
-  double scale = 1;            // world metres a device metre
+  double scale = 1;            // world metres per device metre
 
   Vec3 to_world(const Vec3& device) const { return origin + scale * device; }
   Vec3 to_device(const Vec3& world) const { return (world - origin) / scale; }
@@ -44,31 +44,31 @@ enum class HapticMethod {
 struct ServoOptions {
   Representation representation = Representation::relief;
   HapticMethod method = HapticMethod::potential;
-  Spring spring;           // felt on flat ground
-  double friction = 0.3;   // Coulomb, of pen and surface; the plane has none
-  double plane_rate = 60;  // Hz, how often the paper's plane is made
-  bool passivity = true;   // the passivity controller; the paper has none
+  Spring spring;           // felt on flat ground, per metre of device travel
+  double friction = 0.3;   // Coulomb, of pen and surface; method `plane` has none
+  double plane_rate = 60;  // Hz, of method `plane`
+  bool passivity = true;   // whether the passivity controller acts; the paper has none
   GuardLimits limits;
   WorkspaceMap workspace;
   PenShape pen;
   double thickness = std::numeric_limits<double>::infinity();  // m, of the slab
   double rate = 1000;                                          // Hz
-  double velocity_cutoff = 60;  // Hz, of the filter on the differentiated encoders
+  double velocity_cutoff = 60;  // Hz, of the low-pass on differentiated encoders
 };
 
-// What one tick found and did. World frame, SI.
+// Record of one tick. World frame, SI.
 struct ServoSample {
   Vec3 device = Vec3::Zero();           // m, as read, device frame
-  Quat orientation = Quat::Identity();  // as read; the identity where the device tells none
+  Quat orientation = Quat::Identity();  // as read; the identity for devices without orientation
   Vec3 tip = Vec3::Zero();              // m
   Vec3 velocity = Vec3::Zero();         // m/s, filtered, relative to the textured body
-  Vec3 proxy = Vec3::Zero();            // m, where the tip is shown: on the surface while it touches
+  Vec3 proxy = Vec3::Zero();            // m, where the tip is drawn: on the surface while it touches
   Vec3 force = Vec3::Zero();            // N, as sent to the device
   Vec3 wanted = Vec3::Zero();           // N, before the guard
   Vec3 torque = Vec3::Zero();           // N m about the grip, before the guard
   Vec3 n_s = Vec3::UnitY();             // sampled normal
-  Vec2 uv = Vec2::Zero();               // of the proxy
-  double surface_height = 0;            // m above the base plane, of the surface at uv (<= 0)
+  Vec2 uv = Vec2::Zero();               // at the proxy
+  double surface_height = 0;            // m, of the surface at uv over the base plane (<= 0)
   double energy_surplus = 0;            // J, of the passivity observer
   bool touching = false;                // the texture
   bool touching_ball = false;
@@ -77,54 +77,54 @@ struct ServoSample {
 
 class PenServo {
  public:
-  // On the rectangle that the surface is placed on.
+  // On the rectangle on which the surface is placed.
   PenServo(std::shared_ptr<const surface::Surface> surface, const ServoOptions& options);
-  // On a solid of any other shape with that texture; method `potential`.
+  // On a solid of any shape with that texture; method `potential`.
   PenServo(std::shared_ptr<const surface::Surface> surface, std::shared_ptr<const Solid> solid,
            const ServoOptions& options);
 
-  // Reads the device, works out the force and writes it. The scene is at rest and the clock is the tick's
-  // own.
+  // Reads the device, computes the force and writes it. The scene is at rest and time advances by one period.
   ServoSample tick(Device& device);
-  // The same in a scene that moves; `time` on the clock of the snapshot, which must be recent (guard.h).
+  // The same in a moving scene; `time` is on the clock of the snapshot, which must be recent (guard.h).
   ServoSample tick(Device& device, const SceneSnapshot& scene, double time);
 
-  // What the scene gets back: the newest tick, and impulses summed since the start.
+  // For the scene: the newest tick, and impulses summed since the start.
   const ServoReport& report() const { return report_; }
   const ServoOptions& options() const { return options_; }
-  // Work on the hand since the start by the texture, J.
+  // Work of the texture on the hand since the start, J.
   double work_on_hand() const { return passivity_.work_on_hand(); }
   void rearm();
-  // Takes all force off the device.
-  void let_go(Device& device) { device.write(guard_.release()); }
+  // Zeroes the device's force.
+  void release(Device& device) { device.write(guard_.release()); }
 
  private:
-  // The pen in the frame of the textured body, and how it got there. m, m/s.
-  struct Motion {
+  // The pen of this tick, and its motion relative to the textured body in that body's frame. m, m/s.
+  struct TickMotion {
     Pose body;  // of the textured body, in the world, now
     PenPose pen, world_pen;
     Vec3 displacement = Vec3::Zero(), velocity = Vec3::Zero();
   };
-  struct Touch {
+  // In the body's frame.
+  struct TipContact {
     bool touching;
     Vec3 force, normal, proxy;
     double energy;
   };
 
-  bool read(Device& device, const SceneSnapshot& scene, double time, Motion& motion);
-  Touch touch(const Motion& motion);
-  Vec3 touch_balls(const Motion& motion, const SceneSnapshot& scene, Wrench& wrench);
-  void describe(const Motion& motion, const Touch& touch, ServoSample& sample) const;
+  bool read(Device& device, const SceneSnapshot& scene, double time, TickMotion& motion);
+  TipContact touch(const TickMotion& motion);
+  Vec3 touch_balls(const TickMotion& motion, const SceneSnapshot& scene, Wrench& wrench);
+  void fill_sample(const TickMotion& motion, const TipContact& touch, ServoSample& sample) const;
   GuardedForce send(Device& device, const Wrench& wanted, const SceneSnapshot& scene, double time,
                     ServoSample& sample);
-  void remember(const Wrench& about_body, const ServoSample& sample, double time);
-  ServoSample refuse(Device& device, double time);
+  void update_report(const Wrench& about_body, const ServoSample& sample, double time);
+  ServoSample reject_reading(Device& device, double time);
 
   std::shared_ptr<const surface::Surface> surface_;
   std::shared_ptr<const Solid> solid_;
   ServoOptions options_;
-  ContactStiffness stiffness_;  // in the world
-  Spring spring_;               // in the world
+  ContactSprings stiffness_;  // in the world
+  Spring spring_;             // in the world
   Proxy proxy_;
   HeldPlane plane_;
   PassivityController passivity_;
@@ -132,10 +132,10 @@ class PenServo {
   ServoReport report_;
   SceneSnapshot at_rest_;
   Vec3 device_tip_ = Vec3::Zero();  // m, device frame
-  Quat device_turn_ = Quat::Identity();
-  Vec3 last_ = Vec3::Zero();      // m, tip in the body's frame
+  Quat device_orientation_ = Quat::Identity();
+  Vec3 last_tip_ = Vec3::Zero();  // m, tip in the body's frame
   Vec3 velocity_ = Vec3::Zero();  // m/s, body's frame
-  double time_ = 0, keep_ = 0;
+  double time_ = 0, filter_keep_ = 0;
   bool started_ = false;
 };
 

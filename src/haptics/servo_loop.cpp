@@ -16,12 +16,12 @@ constexpr int fifo_priority = 70;
 double monotonic() {
   timespec t;
   clock_gettime(CLOCK_MONOTONIC, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
 }
 
 void sleep_until(double seconds) {
-  const double whole = std::floor(seconds);
-  const timespec t{static_cast<time_t>(whole), static_cast<long>((seconds - whole) * 1e9)};
+  const double floor = std::floor(seconds);
+  const timespec t{time_t(floor), long((seconds - floor) * 1e9)};
   while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr) == EINTR) {
   }
 }
@@ -59,7 +59,7 @@ std::string ServoLoop::priority() const {
   if (error < 0) return "servo thread not started";
   if (error == 0) return fmt::format("servo thread runs SCHED_FIFO at priority {}", fifo_priority);
   return fmt::format(
-      "servo thread runs at ordinary priority ({}); expect late ticks under load: allow it with "
+      "servo thread runs at normal priority ({}); expect late ticks under load: allow SCHED_FIFO with "
       "'ulimit -r {}' or CAP_SYS_NICE",
       std::strerror(error), fifo_priority);
 }
@@ -78,18 +78,19 @@ void ServoLoop::run() {
   const double period = 1 / servo_.options().rate, first = now();
   std::uint64_t index = 0;
   while (running_.load(std::memory_order_acquire)) {
-    const double due = first + static_cast<double>(index) * period;
+    const double due = first + double(index) * period;
     sleep_until(start_time_ + due);
     const double woken = now();
     wake_up_.add(woken - due);
     tick(woken);
     const double done = now();
     compute_.add(done - woken);
-    const auto next = std::max(index + 1, static_cast<std::uint64_t>(std::ceil((done - first) / period)));
-    left_out_.store(left_out_.load(std::memory_order_relaxed) + next - index - 1, std::memory_order_relaxed);
+    const auto next = std::max(index + 1, std::uint64_t(std::ceil((done - first) / period)));
+    skipped_ticks_.store(skipped_ticks_.load(std::memory_order_relaxed) + next - index - 1,
+                         std::memory_order_relaxed);
     index = next;
   }
-  servo_.let_go(device_);
+  servo_.release(device_);
 }
 
 }  // namespace intaglio::haptics

@@ -1,6 +1,4 @@
-// A histogram of short times: how late, how long. Written by one real-time thread, read by any.
-//
-// Buckets are a quarter of an octave (19 %) wide, from 1 ns to 17 s; add() is one relaxed store.
+// The servo loop: a thread that ticks a PenServo, and histograms of its latency.
 #pragma once
 
 #include <array>
@@ -16,74 +14,74 @@
 
 namespace intaglio::haptics {
 
-class Lateness {
+// A histogram of short times, written by one real-time thread and read by any. Buckets are a quarter of an
+// octave (19 %) wide, from 1 ns to 17 s.
+class LatencyHistogram {
  public:
   void add(double seconds) {
     const double octaves = seconds > 1e-9 ? 4 * std::log2(1e9 * seconds) : 0;
-    auto& count = counts_[static_cast<std::size_t>(std::min(octaves, static_cast<double>(buckets - 1)))];
+    auto& count = counts_[std::size_t(std::min(octaves, double(buckets - 1)))];
     count.store(count.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
-    if (seconds > most_.load(std::memory_order_relaxed)) most_.store(seconds, std::memory_order_relaxed);
+    if (seconds > max_.load(std::memory_order_relaxed)) max_.store(seconds, std::memory_order_relaxed);
   }
   std::uint64_t count() const {
     std::uint64_t sum = 0;
     for (const auto& c : counts_) sum += c.load(std::memory_order_relaxed);
     return sum;
   }
-  // Upper edge of the bucket below which the fraction q of all times lies, seconds; 0 when there are none.
+  // Upper edge of the bucket that holds the quantile q, seconds; 0 without any times.
   double quantile(double q) const {
-    const double rank = q * static_cast<double>(count());
+    const double rank = q * double(count());
     double sum = 0;
     for (std::size_t k = 0; k < buckets; ++k) {
-      sum += static_cast<double>(counts_[k].load(std::memory_order_relaxed));
-      if (sum >= rank && sum > 0) return 1e-9 * std::exp2(static_cast<double>(k + 1) / 4);
+      sum += double(counts_[k].load(std::memory_order_relaxed));
+      if (sum >= rank && sum > 0) return 1e-9 * std::exp2(double(k + 1) / 4);
     }
     return 0;
   }
-  double most() const { return most_.load(std::memory_order_relaxed); }
+  double max() const { return max_.load(std::memory_order_relaxed); }
 
  private:
   static constexpr std::size_t buckets = 136;
 
   std::array<std::atomic<std::uint64_t>, buckets> counts_{};
-  std::atomic<double> most_{0};
+  std::atomic<double> max_{0};
 };
 
-// The servo loop: a thread of its own that ticks a PenServo at 1, 4 or 8 kHz, whatever the scene does.
+// Ticks a PenServo at 1, 4 or 8 kHz on a thread of its own, independent of the scene.
 //
 // Scene and loop exchange values through latest-value slots: neither waits for the other. The scene publishes
 // a snapshot at every step, also when nothing moved: it is the heartbeat, and 20 ms without one is a fault
-// that lets go of the hand (guard.h). The thread runs SCHED_FIFO where it may and says so where it may not
-// (priority()). A tick that comes later than a period is made up for by leaving ticks out, never by hurrying.
-// The thread neither allocates nor locks. start(), stop(), publish(), latest(), rearm(): one thread, the
-// scene's.
-
+// that releases the hand (guard.h). The thread runs SCHED_FIFO where it may and reports when it may not
+// (priority()). Late ticks are skipped, never caught up. The thread neither allocates nor locks. start(),
+// stop(), publish(), latest() and rearm() belong to one thread, the scene's.
 class ServoLoop {
  public:
-  // `device` outlives the loop and is the loop thread's between start() and stop().
+  // `device` must outlive the loop, whose thread owns it between start() and stop().
   ServoLoop(PenServo servo, Device& device);
   ~ServoLoop();
   ServoLoop(const ServoLoop&) = delete;
   ServoLoop& operator=(const ServoLoop&) = delete;
 
   void start();
-  // Lets go of the hand, joins the thread.
+  // Releases the hand and joins the thread.
   void stop();
 
   // Seconds on the loop's clock (monotonic, from construction).
   double now() const;
-  // Hands the scene over; its time becomes now().
+  // Sets the snapshot's time to now() and passes it to the loop.
   void publish(SceneSnapshot scene);
-  // The newest report; its `ticks` tell whether it is a new one. Valid until the next call.
+  // The newest report, valid until the next call; `ticks` grows with each new one.
   const ServoReport& latest() { return report_.fetch(); }
-  // Clears a fault of the guard before the next tick.
+  // Clears a latched fault of the guard before the next tick.
   void rearm() { rearm_.store(true, std::memory_order_release); }
 
-  // How the thread was scheduled, one line; complete once the first tick is made.
+  // How the thread is scheduled, one line; final after the first tick.
   std::string priority() const;
-  // How late ticks woke up, and how long they took to compute (device included).
-  const Lateness& wake_up() const { return wake_up_; }
-  const Lateness& compute() const { return compute_; }
-  std::uint64_t left_out() const { return left_out_.load(std::memory_order_relaxed); }
+  // How late ticks woke up, and how long they took (device included).
+  const LatencyHistogram& wake_up() const { return wake_up_; }
+  const LatencyHistogram& compute() const { return compute_; }
+  std::uint64_t skipped_ticks() const { return skipped_ticks_.load(std::memory_order_relaxed); }
 
  private:
   void run();
@@ -96,8 +94,8 @@ class ServoLoop {
   Latest<ServoReport> report_;
   std::atomic<bool> running_{false}, rearm_{false};
   std::atomic<int> scheduling_{-1};  // 0: SCHED_FIFO; else errno
-  std::atomic<std::uint64_t> left_out_{0};
-  Lateness wake_up_, compute_;
+  std::atomic<std::uint64_t> skipped_ticks_{0};
+  LatencyHistogram wake_up_, compute_;
   std::thread thread_;
 };
 

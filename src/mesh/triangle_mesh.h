@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "intaglio/error.h"
+#include "intaglio/triangle_mesh.h"
 #include "intaglio/vec.h"
 #include "surface/surface.h"
 
@@ -24,13 +25,7 @@ inline constexpr std::size_t max_mesh_vertices = 12'000'000;
 
 using Triangle = std::array<int, 3>;
 
-struct TriangleMesh {
-  std::vector<Vec3> positions;
-  std::vector<Vec3> normals;  // one a position; in a raw mesh zero means "not known"
-  std::vector<Vec2> uvs;      // one a position
-  std::vector<Triangle> triangles;
-  std::vector<std::string> notes;  // what was repaired, a sentence each
-};
+using intaglio::TriangleMesh;
 
 // The mesh, ready to be placed: normals unit (area-weighted where they were not known), windings agreeing
 // with the normals, triangles without area dropped; `notes` says what was done. Idempotent. Errors: no

@@ -3,8 +3,8 @@
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 
-#include <utility>
 #include <fmt/format.h>
+#include <utility>
 
 namespace intaglio::render {
 
@@ -13,8 +13,7 @@ namespace {
 constexpr const char* where = "EGL";
 
 Result<EGLDisplay> open_display() {
-  // Asked before a display exists: only then are client extensions listed, and only the EXT entry point
-  // resolves.
+  // Client extensions are listed only while no display exists, and only the EXT entry point resolves then.
   if (!epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless")) {
     return fail(where, "the surfaceless platform is missing",
                 "install Mesa's EGL (libegl1, libegl-mesa0, libgl1-mesa-dri)");
@@ -37,16 +36,16 @@ Result<EGLContext> open_context(EGLDisplay display) {
   EGLint count = 0;
   if (!eglBindAPI(EGL_OPENGL_API) || !eglChooseConfig(display, config_attributes, &config, 1, &count) ||
       count == 0) {
-    return fail(where, "the display offers no desktop OpenGL",
+    return fail(where, "the EGL display has no desktop OpenGL configuration",
                 "a driver with OpenGL 3.3 core, such as Mesa, is needed");
   }
-  const EGLint context_attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
-                                       3,
-                                       EGL_CONTEXT_MINOR_VERSION,
-                                       3,
-                                       EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                       EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                       EGL_NONE};
+  // clang-format off
+  const EGLint context_attributes[] = {
+      EGL_CONTEXT_MAJOR_VERSION, 3,
+      EGL_CONTEXT_MINOR_VERSION, 3,
+      EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+      EGL_NONE};
+  // clang-format on
   const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, context_attributes);
   if (context == EGL_NO_CONTEXT) {
     return fail(where, fmt::format("no OpenGL 3.3 core context (error {:#x})", eglGetError()),
@@ -60,11 +59,13 @@ Result<EGLContext> open_context(EGLDisplay display) {
 Result<EglContext> EglContext::create() {
   const auto display = open_display();
   if (!display) return tl::unexpected(display.error());
+  const EGLenum api = eglQueryAPI();  // the calling thread's, which open_context() changes
   const auto context = open_context(*display);
+  eglBindAPI(api);
   if (!context) return tl::unexpected(context.error());
   EglContext result(*display, *context);
-  if (!eglMakeCurrent(*display, EGL_NO_SURFACE, EGL_NO_SURFACE, *context)) {
-    return fail(where, "the context cannot be current without a surface",
+  if (!CurrentContext(result)) {
+    return fail(where, "the context cannot be made current without a surface",
                 "EGL_KHR_surfaceless_context is needed");
   }
   return result;
@@ -80,20 +81,28 @@ EglContext& EglContext::operator=(EglContext&& other) noexcept {
 }
 
 EglContext::~EglContext() {
-  if (!context_) return;
-  release();
-  eglDestroyContext(display_, context_);
+  if (context_) eglDestroyContext(display_, context_);
 }
 
-void EglContext::make_current() const {
-  if (eglGetCurrentContext() == context_) return;
+CurrentContext::Binding CurrentContext::current() {
+  return {eglQueryAPI(), eglGetCurrentDisplay(), eglGetCurrentSurface(EGL_DRAW),
+          eglGetCurrentSurface(EGL_READ), eglGetCurrentContext()};
+}
+
+// EGL keeps the API (OpenGL or OpenGL ES) per thread, too.
+CurrentContext::CurrentContext(const EglContext& context) : display_(context.display_), previous_(current()) {
   eglBindAPI(EGL_OPENGL_API);
-  eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context_);
+  ok_ = eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, context.context_) == EGL_TRUE;
 }
 
-void EglContext::release() const {
-  if (eglGetCurrentContext() != context_) return;
-  eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+CurrentContext::~CurrentContext() {
+  const Binding& p = previous_;
+  if (p.context == EGL_NO_CONTEXT) {
+    eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  } else {
+    eglMakeCurrent(p.display, p.draw, p.read, p.context);
+  }
+  eglBindAPI(p.api);
 }
 
 std::string description_of_current() {

@@ -1,10 +1,10 @@
 #include "render/gl.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cctype>
 #include <cstddef>
 #include <vector>
-#include <fmt/format.h>
 
 namespace intaglio::render::gl {
 
@@ -21,25 +21,18 @@ std::string one_line(std::string log) {
   return log;
 }
 
-std::string shader_log(GLuint shader) {
+template <class GetInteger, class GetLog>
+std::string info_log(GLuint object, GetInteger get_integer, GetLog get_log) {
   GLint length = 0;
-  glGetShaderiv(shader, GL_INFO_LOG_LENGTH, &length);
-  std::string log(static_cast<std::size_t>(std::max(length, 1)), '\0');
-  glGetShaderInfoLog(shader, length, nullptr, log.data());
+  get_integer(object, GL_INFO_LOG_LENGTH, &length);
+  std::string log(std::size_t(std::max(length, 1)), '\0');
+  get_log(object, length, nullptr, log.data());
   return one_line(log);
 }
 
-std::string program_log(GLuint program) {
-  GLint length = 0;
-  glGetProgramiv(program, GL_INFO_LOG_LENGTH, &length);
-  std::string log(static_cast<std::size_t>(std::max(length, 1)), '\0');
-  glGetProgramInfoLog(program, length, nullptr, log.data());
-  return one_line(log);
-}
-
-// The compiler names lines as "piece:line(column)": of each piece that begins a word, the file's name
-// instead.
-std::string with_names(const std::string& log, const Program::Pieces& pieces) {
+// The compiler writes a line as "source:line(column)": replaces the number of the source at the beginning of
+// a word by its file's name.
+std::string with_file_names(const std::string& log, const Program::Sources& sources) {
   std::string out;
   for (std::size_t k = 0; k < log.size();) {
     const bool begins = k == 0 || log[k - 1] == ' ';
@@ -47,9 +40,9 @@ std::string with_names(const std::string& log, const Program::Pieces& pieces) {
     const bool is_place = begins && colon != k && colon != std::string::npos && log[colon] == ':' &&
                           colon - k < 4 &&
                           std::isdigit(static_cast<unsigned char>(log[std::min(colon + 1, log.size() - 1)]));
-    const std::size_t piece = is_place ? std::stoul(log.substr(k, colon - k)) : pieces.size();
-    if (piece < pieces.size()) {
-      out += pieces[piece].file;
+    const std::size_t source = is_place ? std::stoul(log.substr(k, colon - k)) : sources.size();
+    if (source < sources.size()) {
+      out += sources[source].file;
       k = colon;
     } else {
       out += log[k++];
@@ -58,10 +51,11 @@ std::string with_names(const std::string& log, const Program::Pieces& pieces) {
   return out;
 }
 
-Result<Handle<delete_shader>> compile(GLenum stage, const std::string& name, const Program::Pieces& pieces) {
+Result<Handle<delete_shader>> compile(GLenum stage, const std::string& name,
+                                      const Program::Sources& sources) {
   std::string joined = version_line;
-  int piece = 0;
-  for (const Program::Piece& p : pieces) joined += fmt::format("#line 1 {}\n{}\n", piece++, p.text);
+  int number = 0;
+  for (const Program::SourceFile& s : sources) joined += fmt::format("#line 1 {}\n{}\n", number++, s.text);
   const char* text = joined.c_str();
   Handle<delete_shader> shader(glCreateShader(stage));
   glShaderSource(shader.get(), 1, &text, nullptr);
@@ -70,15 +64,16 @@ Result<Handle<delete_shader>> compile(GLenum stage, const std::string& name, con
   glGetShaderiv(shader.get(), GL_COMPILE_STATUS, &compiled);
   if (!compiled) {
     return fail(fmt::format("{} {} shader", name, stage == GL_VERTEX_SHADER ? "vertex" : "fragment"),
-                "does not compile: " + with_names(shader_log(shader.get()), pieces),
-                "a driver of GLSL 330 takes what is built in");
+                "does not compile: " +
+                    with_file_names(info_log(shader.get(), glGetShaderiv, glGetShaderInfoLog), sources),
+                "the built-in shaders compile on any GLSL 3.30 driver");
   }
   return shader;
 }
 
 }  // namespace
 
-Result<Program> Program::create(std::string name, const Pieces& vertex, const Pieces& fragment) {
+Result<Program> Program::create(std::string name, const Sources& vertex, const Sources& fragment) {
   const auto vertex_shader = compile(GL_VERTEX_SHADER, name, vertex);
   if (!vertex_shader) return tl::unexpected(vertex_shader.error());
   const auto fragment_shader = compile(GL_FRAGMENT_SHADER, name, fragment);
@@ -92,7 +87,8 @@ Result<Program> Program::create(std::string name, const Pieces& vertex, const Pi
   GLint linked = GL_FALSE;
   glGetProgramiv(program, GL_LINK_STATUS, &linked);
   if (!linked)
-    return fail(name + " shader", "does not link: " + program_log(program), "a GLSL 330 driver is needed");
+    return fail(name + " shader", "does not link: " + info_log(program, glGetProgramiv, glGetProgramInfoLog),
+                "a GLSL 3.30 driver is needed");
   return result;
 }
 
@@ -111,7 +107,7 @@ Texture::Texture(int width, int height, const TextureFormat& format, const void*
 }
 
 void Texture::bind(int unit) const {
-  glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
+  glActiveTexture(GL_TEXTURE0 + GLenum(unit));
   glBindTexture(GL_TEXTURE_2D, texture_.get());
 }
 
@@ -144,7 +140,7 @@ Result<Framebuffer> Framebuffer::create(int width, int height, GLint colour_form
   GLint limit = 0;
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
   if (width < 1 || height < 1 || width > limit || height > limit) {
-    return fail("renderer", fmt::format("a picture of {} x {} samples cannot be drawn", width, height),
+    return fail("renderer", fmt::format("cannot create a framebuffer of {} x {} samples", width, height),
                 fmt::format("sides must be 1 to {}, supersampling included", limit));
   }
   Framebuffer result;
@@ -162,8 +158,7 @@ Result<Framebuffer> Framebuffer::create(int width, int height, GLint colour_form
   }
   const GLenum status = glCheckFramebufferStatus(GL_FRAMEBUFFER);
   if (status != GL_FRAMEBUFFER_COMPLETE) {
-    return fail("renderer",
-                fmt::format("the driver cannot draw into this framebuffer (status {:#x})", status),
+    return fail("renderer", fmt::format("framebuffer incomplete (status {:#x})", status),
                 "a driver with OpenGL 3.3 core, such as Mesa, is needed");
   }
   return result;
@@ -185,8 +180,8 @@ VertexArray::VertexArray(const Mesh& mesh) : VertexArray() {
   glGenBuffers(2, names);
   vertices_ = Handle<delete_buffer>(names[0]);
   indices_ = Handle<delete_buffer>(names[1]);
-  count_ = static_cast<GLsizei>(mesh.indices.size());
-  const auto bytes = [](const auto& v) { return static_cast<GLsizeiptr>(v.size() * sizeof v[0]); };
+  count_ = GLsizei(mesh.indices.size());
+  const auto bytes = [](const auto& v) { return GLsizeiptr(v.size() * sizeof v[0]); };
   bytes_ = std::size_t(bytes(mesh.vertices) + bytes(mesh.indices));
   glBindVertexArray(array_.get());
   glBindBuffer(GL_ARRAY_BUFFER, vertices_.get());

@@ -1,7 +1,7 @@
 // The few OpenGL objects a picture needs, each owned by one C++ object that can be moved but not copied.
 //
-// All of this wants a current context (egl_context.h), when it is made, used and destroyed, and one thread.
-// Private to render/: nobody else includes OpenGL.
+// All of this needs a current context (egl_context.h) when it is made, used and destroyed, and one thread.
+// Private to render/ and its tests: nothing else includes OpenGL.
 #pragma once
 
 #include <epoxy/gl.h>
@@ -57,16 +57,16 @@ inline void delete_vertex_array(GLuint name) {
   glDeleteVertexArrays(1, &name);
 }
 
-// A linked vertex and fragment shader. Shaders are given in pieces, which are joined after the #version line.
+// A linked vertex and fragment shader. Each is made of source files, joined after the #version line.
 class Program {
  public:
-  struct Piece {
+  struct SourceFile {
     std::string file, text;  // an error names file and line
   };
-  using Pieces = std::vector<Piece>;
+  using Sources = std::vector<SourceFile>;
 
-  // `name` is for the error, which carries the compiler's log in one line.
-  static Result<Program> create(std::string name, const Pieces& vertex, const Pieces& fragment);
+  // `name` is for the error, which holds the compiler's log in one line.
+  static Result<Program> create(std::string name, const Sources& vertex, const Sources& fragment);
 
   void use() const { glUseProgram(program_.get()); }
   // These set a uniform by name; one that the compiler found unused is ignored. The program must be in use.
@@ -86,10 +86,10 @@ class Program {
   Handle<delete_program> program_;
 };
 
-// What a 2-D texture holds and how it is read.
+// The format of a 2-D texture and of the data uploaded to it.
 struct TextureFormat {
   GLint internal;  // GL_R32F, ...
-  GLenum format;   // of the data handed in: GL_RED, ...
+  GLenum format;   // of the uploaded data: GL_RED, ...
   GLenum type;     // GL_FLOAT, ...
 };
 
@@ -103,7 +103,7 @@ class Texture {
   void set_filter(GLint minify, GLint magnify);
   void set_edge(GLint wrap_mode);
   void make_mipmaps();
-  // Hands in level `level` and makes it the last one.
+  // Uploads mip level `level` and makes it the last.
   void set_level(int level, int width, int height, const TextureFormat& format, const void* data);
   GLuint name() const { return texture_.get(); }
 
@@ -111,13 +111,13 @@ class Texture {
   Handle<delete_texture> texture_;
 };
 
-// A colour texture and, when asked for, a 32-bit float depth texture to draw into.
+// A render target: a colour texture and, optionally, a 32-bit float depth texture.
 class Framebuffer {
  public:
   Framebuffer() = default;
   static Result<Framebuffer> create(int width, int height, GLint colour_format, bool with_depth);
 
-  // Draws go here, over the whole of it.
+  // Makes this the render target, with a viewport over all of it.
   void bind() const;
   const Texture& colour() const { return colour_; }
   GLuint name() const { return framebuffer_.get(); }
@@ -135,7 +135,7 @@ class Framebuffer {
 // Triangles on the device: attribute 0 is the position, 1 the normal.
 class VertexArray {
  public:
-  VertexArray();  // no attributes: for triangles that the vertex shader makes up
+  VertexArray();  // no attributes: for vertices generated in the vertex shader
   explicit VertexArray(const Mesh& mesh);
 
   void draw() const;
@@ -151,7 +151,7 @@ class VertexArray {
   std::size_t bytes_ = 0;
 };
 
-// Copies of twelve vertices each, that differ in `attributes` vectors of three floats an instance.
+// Instanced 12-vertex geometry with `attributes` vec3 per instance.
 class InstanceArray {
  public:
   InstanceArray(int attributes, std::span<const float> data);
@@ -165,11 +165,11 @@ class InstanceArray {
   std::size_t bytes_ = 0;
 };
 
-// A uniform block's storage at one binding point, written whole once a frame.
+// A uniform block's storage at one binding point.
 class UniformBuffer {
  public:
   UniformBuffer(GLuint binding, GLsizeiptr bytes);
-  void write(const void* data);
+  void write(const void* data);  // all of it
 
  private:
   Handle<delete_buffer> buffer_;

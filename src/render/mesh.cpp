@@ -1,15 +1,15 @@
 #include "render/mesh.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <fmt/format.h>
 
 namespace intaglio::render {
 
 Mesh lathe(std::span<const ProfilePoint> profile, int slices) {
   Mesh mesh;
-  const auto columns = static_cast<std::uint32_t>(profile.size());
+  const auto columns = std::uint32_t(profile.size());
   for (int slice = 0; slice <= slices; ++slice) {
     const double angle = 2 * std::numbers::pi * slice / slices;
     const double c = std::cos(angle);
@@ -19,7 +19,7 @@ Mesh lathe(std::span<const ProfilePoint> profile, int slices) {
                                {float(p.normal_radius * c), float(p.normal_radius * s), float(p.normal_z)}});
     }
   }
-  for (std::uint32_t slice = 0; slice < static_cast<std::uint32_t>(slices); ++slice) {
+  for (std::uint32_t slice = 0; slice < std::uint32_t(slices); ++slice) {
     for (std::uint32_t k = 0; k + 1 < columns; ++k) {
       const std::uint32_t here = slice * columns + k;
       const std::uint32_t next = here + columns;
@@ -40,7 +40,7 @@ Mesh unit_sphere(int slices) {
   return lathe(half_circle, slices);
 }
 
-Mesh pen(double length, double radius, int slices) {
+Mesh pen_mesh(double length, double radius, int slices) {
   const double cone = std::min(pen_tip_radii * radius, length);
   const double slope = 1 / std::hypot(radius, cone);  // the cone's normal is (cone, -radius) * slope
   const std::array<ProfilePoint, 6> profile = {{{0, 0, cone * slope, -radius * slope},
@@ -58,7 +58,7 @@ Vertex vertex(const Vec3& p, const Vec3& n) {
   return {{float(p.x()), float(p.y()), float(p.z())}, {float(n.x()), float(n.y()), float(n.z())}};
 }
 
-// Two triangles of corners a, b over c, d; seen from their front, a to b is to the right and c is below a.
+// Two triangles of the square with corners a, b above c, d, as seen from its front.
 void add_square(Mesh& mesh, std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
   for (const std::uint32_t k : {c, b, a, c, d, b}) mesh.indices.push_back(k);
 }
@@ -78,8 +78,8 @@ void add_relief(Mesh& mesh, const surface::Surface& surface, int cells) {
       add_square(mesh, (j + 1) * row + i, (j + 1) * row + i + 1, j * row + i, j * row + i + 1);
 }
 
-// The wall under one side of the relief, whose corners are `first`, `first + stride`, ... from left to right
-// as seen from outside.
+// The wall under one side of the relief: the vertices `first`, `first + stride`, ... from left to right as
+// seen from outside.
 void add_wall(Mesh& mesh, int cells, std::int64_t first, std::int64_t stride, const Vec3& outwards,
               double slab) {
   const auto base = std::uint32_t(mesh.vertices.size());
@@ -121,11 +121,11 @@ struct Corner {
   Vec3 world, texture;
 };
 
-// Turned so that its volume is positive; none where it has none.
-void add(std::vector<Tetrahedron>& out, std::array<Corner, 4> c, double least_volume) {
+// Orients the tetrahedron positively; skips a degenerate one.
+void add_tetrahedron(std::vector<Tetrahedron>& out, std::array<Corner, 4> c, double min_volume) {
   const auto edge = [&](int k) -> Vec3 { return c[std::size_t(k)].world - c[0].world; };
   const double volume = edge(1).cross(edge(2)).dot(edge(3));
-  if (!(std::abs(volume) > least_volume)) return;
+  if (!(std::abs(volume) > min_volume)) return;
   if (volume < 0) std::swap(c[1], c[2]);
   Tetrahedron t;
   for (std::size_t k = 0; k < 4; ++k) {
@@ -139,23 +139,25 @@ void add(std::vector<Tetrahedron>& out, std::array<Corner, 4> c, double least_vo
 
 }  // namespace
 
-Result<std::vector<Tetrahedron>> make_shell(const surface::TriangleMesh& base, double depth, const Vec2& size,
-                                            const std::string& name) {
+Result<std::vector<Tetrahedron>> shell_tetrahedra(const surface::TriangleMesh& base, double depth,
+                                                  const Vec2& size, const std::string& name) {
+  constexpr double slack = 1e-6;  // of a texture, for UVs that are written in decimals
   std::vector<Tetrahedron> out;
   out.reserve(3 * base.triangles.size());
   for (std::size_t k = 0; k < base.triangles.size(); ++k) {
-    // Neighbours cut their common side along the same diagonal when both go by the order of the vertices.
+    // Sorting by vertex index makes neighbours split their shared quad along the same diagonal.
     surface::Triangle triangle = base.triangles[k];
     std::sort(triangle.begin(), triangle.end());
     const auto uv_of = [&](int i) -> const Vec2& { return base.uvs[std::size_t(triangle[std::size_t(i)])]; };
-    const Vec2 low = uv_of(0).cwiseMin(uv_of(1)).cwiseMin(uv_of(2)),
-               high = uv_of(0).cwiseMax(uv_of(1)).cwiseMax(uv_of(2));
-    const Vec2 tile = (low.array() + 1e-6).floor();
-    if (((high - tile).array() > 1 + 1e-6).any()) {
-      return fail(name,
-                  fmt::format("triangle {} reaches from ({:.4g}, {:.4g}) to ({:.4g}, {:.4g}) in the texture",
-                              k, low.x(), low.y(), high.x(), high.y()),
-                  "to draw a repeated texture, cut triangles along whole numbers of u and v");
+    const Vec2 low = uv_of(0).cwiseMin(uv_of(1)).cwiseMin(uv_of(2));
+    const Vec2 high = uv_of(0).cwiseMax(uv_of(1)).cwiseMax(uv_of(2));
+    const Vec2 tile = (low.array() + slack).floor();
+    if (((high - tile).array() > 1 + slack).any()) {
+      return fail(
+          name,
+          fmt::format("triangle {} spans ({:.4g}, {:.4g}) to ({:.4g}, {:.4g}) in UV, across a tile edge", k,
+                      low.x(), low.y(), high.x(), high.y()),
+          "split triangles at integer u and v where the texture repeats");
     }
     std::array<Corner, 3> top, bottom;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -165,12 +167,12 @@ Result<std::vector<Tetrahedron>> make_shell(const surface::TriangleMesh& base, d
       bottom[i] = {base.positions[at] - depth * base.normals[at], Vec3(uv.x(), uv.y(), -depth)};
     }
     const Vec3 across = (top[1].world - top[0].world).cross(top[2].world - top[0].world);
-    const double least = 1e-7 * across.norm() * depth;
-    add(out, {bottom[0], bottom[1], bottom[2], top[2]}, least);
-    add(out, {bottom[0], bottom[1], top[1], top[2]}, least);
-    add(out, {bottom[0], top[0], top[1], top[2]}, least);
+    const double min_volume = 1e-7 * across.norm() * depth;
+    add_tetrahedron(out, {bottom[0], bottom[1], bottom[2], top[2]}, min_volume);
+    add_tetrahedron(out, {bottom[0], bottom[1], top[1], top[2]}, min_volume);
+    add_tetrahedron(out, {bottom[0], top[0], top[1], top[2]}, min_volume);
   }
-  if (out.empty()) return fail(name, "has no triangle with an area for relief to lie on");
+  if (out.empty()) return fail(name, "has no triangle of non-zero area");
   return out;
 }
 

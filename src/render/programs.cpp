@@ -1,9 +1,9 @@
 #include "render/programs.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <fmt/format.h>
 
 #include "core/file.h"
 #include "intaglio/vec.h"
@@ -31,8 +31,29 @@ Result<ShaderFiles> shaders_from(const std::filesystem::path& folder) {
     ++found;
   }
   if (found == 0)
-    return fail(folder.string(), "has none of the shaders",
-                "they are named as in src/render/shaders, like slab.frag");
+    return fail(folder.string(), "contains no shader files",
+                "name them as the built-in ones, such as slab.frag");
+  return out;
+}
+
+CameraBasis basis_of(const Camera& camera) {
+  const Vec3 back = (camera.eye - camera.target).normalized();
+  const bool up_is_parallel = camera.up.cross(back).norm() < 1e-9 * camera.up.norm();
+  const Vec3 up = up_is_parallel ? -Vec3::UnitZ() : camera.up;
+  const Vec3 right = up.cross(back).normalized();
+  return {right, back.cross(right), back};
+}
+
+ShadowCasters shadow_casters(const FrameScene& scene) {
+  ShadowCasters out;
+  const auto add = [&](const Pose& pose, double radius) {
+    if (!(radius > 0) || out.spheres.size() == max_shadow_balls) return -1;
+    out.spheres.push_back({pose.position, radius});
+    return int(out.spheres.size()) - 1;
+  };
+  for (const Ball& ball : scene.balls) out.balls.push_back(add(ball.pose, ball.radius));
+  for (const Solid& solid : scene.solids) out.solids.push_back(add(solid.pose, solid.shadow_radius));
+  for (const auto& part : scene.part_poses) out.parts.push_back(add(part.pose, part.shadow_radius));
   return out;
 }
 
@@ -40,20 +61,17 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
-FrameBlock::Four four(const Vec3& v, double w = 0) {
+FrameBlock::Vec4 vec4(const Vec3& v, double w = 0) {
   return {float(v.x()), float(v.y()), float(v.z()), float(w)};
 }
 
 // World to camera: x right, y up, looking along -z.
 Eigen::Matrix4d look_at(const Camera& camera) {
-  const Vec3 back = (camera.eye - camera.target).normalized();
-  const bool up_is_lost = camera.up.cross(back).norm() < 1e-9 * camera.up.norm();
-  const Vec3 up = up_is_lost ? -Vec3::UnitZ() : camera.up;
-  const Vec3 right = up.cross(back).normalized();
+  const CameraBasis basis = basis_of(camera);
   Eigen::Matrix4d view = Eigen::Matrix4d::Identity();
-  view.block<1, 3>(0, 0) = right.transpose();
-  view.block<1, 3>(1, 0) = back.cross(right).transpose();
-  view.block<1, 3>(2, 0) = back.transpose();
+  view.block<1, 3>(0, 0) = basis.right.transpose();
+  view.block<1, 3>(1, 0) = basis.up.transpose();
+  view.block<1, 3>(2, 0) = basis.back.transpose();
   view.block<3, 1>(0, 3) = -(view.block<3, 3>(0, 0) * camera.eye);
   return view;
 }
@@ -79,52 +97,48 @@ Eigen::Matrix4d local_to_world(const surface::Placement& placement) {
 }
 
 void fill_light(FrameBlock& block, const Light& light, const surface::Placement& placement) {
-  block.light = light.position ? four(placement.to_local(*light.position), 1)
-                               : four(placement.direction_to_local(light.direction.normalized()), 0);
-  block.light_colour = four(light.colour, std::tan(light.radius_degrees * degree));
-  block.sky = four(light.sky);
-  block.ground = four(light.ground);
+  block.light = light.position ? vec4(placement.to_local(*light.position), 1)
+                               : vec4(placement.direction_to_local(light.direction.normalized()), 0);
+  block.light_colour = vec4(light.colour, std::tan(light.radius_degrees * degree));
+  block.sky = vec4(light.sky);
+  block.ground = vec4(light.ground);
 }
 
-void fill_bodies(FrameBlock& block, const FrameScene& scene, const surface::Placement& placement) {
-  std::size_t balls = 0;
-  const auto casts = [&](const Vec3& centre, double radius) {
-    if (balls < max_shadow_balls) block.ball[balls++] = four(placement.to_local(centre), radius);
-  };
-  for (const Ball& ball : scene.balls) casts(ball.pose.position, ball.radius);
-  for (const Solid& solid : scene.solids)
-    if (solid.shadow_radius > 0) casts(solid.pose.position, solid.shadow_radius);
-  for (const auto& part : scene.part_poses)
-    if (part.shadow_radius > 0) casts(part.pose.position, part.shadow_radius);
-  block.count = {std::int32_t(balls), scene.pen ? 1 : 0, std::int32_t(scene.representation), block.count[3]};
+void fill_bodies(FrameBlock& block, const FrameScene& scene, const ShadowCasters& casters,
+                 const surface::Placement& placement) {
+  std::transform(casters.spheres.begin(), casters.spheres.end(), block.ball.begin(),
+                 [&](const auto& sphere) { return vec4(placement.to_local(sphere.centre), sphere.radius); });
+  block.count = {std::int32_t(casters.spheres.size()), scene.pen ? 1 : 0, std::int32_t(scene.representation),
+                 block.count[3]};
   if (!scene.pen) return;
   const Pen& pen = *scene.pen;
-  block.pen_tip = four(placement.to_local(pen.tip), pen.radius);
-  block.pen_direction = four(placement.direction_to_local(pen.direction.normalized()), pen.length);
-  block.pen_cone = four(Vec3(std::min(pen_tip_radii * pen.radius, pen.length), 0, 0));
+  block.pen_tip = vec4(placement.to_local(pen.tip), pen.radius);
+  block.pen_direction = vec4(placement.direction_to_local(pen.direction.normalized()), pen.length);
+  block.pen_cone = vec4(Vec3(std::min(pen_tip_radii * pen.radius, pen.length), 0, 0));
 }
 
 }  // namespace
 
-FrameBlock surface_block(const SurfacePart& part, const RendererOptions& options, int pyramid_levels) {
+FrameBlock make_surface_block(const SurfacePart& part, const RendererOptions& options, int pyramid_levels) {
   FrameBlock block = {};
   const surface::Surface& surface = *part.surface;
   const auto& placement = surface.placement();
   const double depth = surface.has_depth() ? surface.max_depth() : 0;
+  // A floor remains under the deepest groove.
   const double slab = std::max(part.slab_thickness, 1.25 * depth);
-  block.size = four({placement.size_u(), placement.size_v(), depth}, slab);
-  block.texels = four(
+  block.size = vec4({placement.size_u(), placement.size_v(), depth}, slab);
+  block.texels = vec4(
       {double(surface.width()), double(surface.height()), std::min(surface.texel_u(), surface.texel_v())},
       surface.colour().empty() ? 0 : 1);
-  block.material = four(options.colour, part.roughness);
+  block.material = vec4(options.colour, part.roughness);
   block.steps = {options.linear_steps, options.binary_steps, options.shadow_steps, pyramid_levels};
   if (options.detail == Detail::by_footprint)
-    block.count[3] = std::clamp(pyramid_levels - 1, 0, HeightLevels::coarsest);
+    block.count[3] = std::clamp(pyramid_levels - 1, 0, HeightLevels::coarsest_traced);
   return block;
 }
 
-void fill_frame(FrameBlock& block, const FrameScene& scene, const surface::Placement& placement,
-                const RendererOptions& options) {
+void update_frame_block(FrameBlock& block, const FrameScene& scene, const ShadowCasters& casters,
+                        const surface::Placement& placement, const RendererOptions& options) {
   const Camera& camera = scene.camera;
   const Eigen::Matrix4f view_projection = (perspective(camera, double(options.width) / options.height) *
                                            look_at(camera) * local_to_world(placement))
@@ -132,19 +146,9 @@ void fill_frame(FrameBlock& block, const FrameScene& scene, const surface::Place
   std::copy_n(view_projection.data(), 16, block.view_projection.begin());
   const double sample_angle =
       2 * std::tan(0.5 * camera.fov_y_degrees * degree) / (options.height * options.supersample);
-  block.eye = four(placement.to_local(camera.eye), sample_angle);
+  block.eye = vec4(placement.to_local(camera.eye), sample_angle);
   fill_light(block, scene.light, placement);
-  fill_bodies(block, scene, placement);
-}
-
-int caster_of_part(const FrameScene& scene, std::size_t part) {
-  if (part >= scene.part_poses.size() || !(scene.part_poses[part].shadow_radius > 0)) return -1;
-  const auto casts = [](const auto& body) { return body.shadow_radius > 0; };
-  const auto before =
-      std::count_if(scene.solids.begin(), scene.solids.end(), casts) +
-      std::count_if(scene.part_poses.begin(), scene.part_poses.begin() + std::ptrdiff_t(part), casts);
-  const auto index = std::ptrdiff_t(scene.balls.size()) + before;
-  return index < max_shadow_balls ? int(index) : -1;
+  fill_bodies(block, scene, casters, placement);
 }
 
 Eigen::Matrix4f model_matrix(const Pose& pose, double scale, const surface::Placement& placement) {
@@ -162,8 +166,8 @@ Pose pen_pose(const Pen& pen) {
 
 namespace {
 
-// Those that a program does not use are ignored.
-void connect(const gl::Program& program) {
+// Unused samplers have location -1, which GL ignores.
+void bind_samplers(const gl::Program& program) {
   program.bind_block("Frame", frame_binding);
   program.use();
   program.set("heights", heights_unit);
@@ -179,40 +183,40 @@ void connect(const gl::Program& program) {
 Result<Programs> Programs::create(const RendererOptions& options, const ShaderFiles& files) {
   using Names = std::vector<std::string>;
   const std::string search = options.march == March::classic ? "march_classic.glsl" : "march_pyramid.glsl";
-  // RELIEF: whether the surface is drawn as relief.
-  const auto make = [&](gl::Program& program, const char* name, const std::string& constant,
+  // `constant` defines RELIEF: whether the surface is drawn as relief.
+  const auto link = [&](gl::Program& program, const char* name, const std::string& constant,
                         const Names& vertex, const Names& fragment) -> Result<void> {
-    const auto pieces = [&](const Names& names) {
-      std::vector<gl::Program::Piece> out{{"(constants)", constant + "\n"}};
+    const auto sources = [&](const Names& names) {
+      gl::Program::Sources out{{"(constants)", constant + "\n"}};
       for (const std::string& file : names) out.push_back({file, files.at(file)});
       return out;
     };
-    auto created = gl::Program::create(name, pieces(vertex), pieces(fragment));
+    auto created = gl::Program::create(name, sources(vertex), sources(fragment));
     if (!created) return tl::unexpected(created.error());
     program = std::move(*created);
-    connect(program);
+    bind_samplers(program);
     return {};
   };
-  const auto surface = [&](gl::Program& program, const char* name, const char* vertex, bool relief) {
-    return make(program, name, fmt::format("const bool RELIEF = {};", relief), {"frame.glsl", vertex},
+  const auto link_surface = [&](gl::Program& program, const char* name, const char* vertex, bool relief) {
+    return link(program, name, fmt::format("const bool RELIEF = {};", relief), {"frame.glsl", vertex},
                 {"frame.glsl", "heights.glsl", search, "shadow.glsl", "lighting.glsl", "surface_shading.glsl",
                  fmt::format("{}.frag", name)});
   };
-  const auto solid = [&](gl::Program& program, const char* name) {
-    return make(program, name, "#define RELIEF (count.z == 2)", {"frame.glsl", "solid.vert"},
+  const auto link_solid = [&](gl::Program& program, const char* name) {
+    return link(program, name, "#define RELIEF (count.z == 2)", {"frame.glsl", "solid.vert"},
                 {"frame.glsl", "heights.glsl", "shadow.glsl", "lighting.glsl", fmt::format("{}.frag", name)});
   };
   Programs result;
-  Result<void> ok = surface(result.relief_slab, "slab", "slab.vert", true);
-  if (ok) ok = surface(result.slab, "slab", "slab.vert", false);
-  if (ok) ok = surface(result.mesh, "mesh", "solid.vert", true);
-  if (ok) ok = surface(result.relief_shell, "shell", "shell.vert", true);
-  if (ok) ok = surface(result.shell, "shell", "shell.vert", false);
-  if (ok) ok = solid(result.ball, "ball");
-  if (ok) ok = solid(result.plain, "plain");
-  if (ok) ok = solid(result.pen, "pen");
+  Result<void> ok = link_surface(result.relief_slab, "slab", "slab.vert", true);
+  if (ok) ok = link_surface(result.slab, "slab", "slab.vert", false);
+  if (ok) ok = link_surface(result.mesh, "mesh", "solid.vert", true);
+  if (ok) ok = link_surface(result.relief_shell, "shell", "shell.vert", true);
+  if (ok) ok = link_surface(result.shell, "shell", "shell.vert", false);
+  if (ok) ok = link_solid(result.ball, "ball");
+  if (ok) ok = link_solid(result.plain, "plain");
+  if (ok) ok = link_solid(result.pen, "pen");
   if (ok)
-    ok = make(result.resolve, "resolve", fmt::format("const int SUPERSAMPLE = {};", options.supersample),
+    ok = link(result.resolve, "resolve", fmt::format("const int SUPERSAMPLE = {};", options.supersample),
               {"screen.vert"}, {"resolve.frag"});
   if (!ok) return tl::unexpected(ok.error());
   return result;

@@ -1,5 +1,5 @@
-// The texts of the shaders by the names of their files: those built in, or a folder's in their place while
-// one works on them.
+// The shader programs of a picture: their source files, the uniform block that they share, and how they are
+// compiled. Private to render/ and its tests.
 #pragma once
 
 #include <array>
@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "intaglio/error.h"
 #include "render/frame_scene.h"
@@ -16,40 +17,48 @@
 
 namespace intaglio::render {
 
+// Shader sources by file name.
 using ShaderFiles = std::map<std::string, std::string>;
 
 ShaderFiles embedded_shaders();
 
-// The built-in ones, but for those that `folder` has a file for. Fails when it has none, or one that cannot
-// be read.
+// The built-in shaders, replaced by files of the same name in `folder`. Fails when the folder has none of
+// them, or one that cannot be read.
 Result<ShaderFiles> shaders_from(const std::filesystem::path& folder);
 
-// The scene as the shaders want it: one block of floats in the surface's local frame. Pure; no OpenGL.
-
+// The spheres that stand for a frame's bodies in shadows: all balls, then the solids and the curved parts
+// with a shadow radius; the first max_shadow_balls of them.
 inline constexpr int max_shadow_balls = 32;
 
-// Mirrors the uniform block Frame of shaders/frame.glsl, std140: the names and meanings are documented there.
+struct ShadowCasters {
+  struct Sphere {
+    Vec3 centre;
+    double radius;
+  };
+  std::vector<Sphere> spheres;
+  std::vector<int> balls, solids, parts;  // of each of the frame's: its index in `spheres`, or -1
+};
+ShadowCasters shadow_casters(const FrameScene& scene);
+
+// The uniform block of one frame, in a surface's local frame. Mirrors the block Frame of shaders/frame.glsl
+// (std140), which documents the names. Pure; no OpenGL.
 struct FrameBlock {
-  using Four = std::array<float, 4>;
+  using Vec4 = std::array<float, 4>;
 
   std::array<float, 16> view_projection;
-  Four eye, light, light_colour, sky, ground, size, texels, material;
+  Vec4 eye, light, light_colour, sky, ground, size, texels, material;
   std::array<std::int32_t, 4> steps, count;
-  Four pen_tip, pen_direction, pen_cone;
-  std::array<Four, max_shadow_balls> ball;
+  Vec4 pen_tip, pen_direction, pen_cone;
+  std::array<Vec4, max_shadow_balls> ball;
 };
 static_assert(sizeof(FrameBlock) == 64 + 13 * 16 + max_shadow_balls * 16);
 
-// What of the block follows from a surface and the options, once for all frames. `pyramid_levels` is how
-// many levels the height pyramid has.
-FrameBlock surface_block(const SurfacePart& part, const RendererOptions& options, int pyramid_levels);
+// The part of the block that is constant for a surface, of whose height pyramid `pyramid_levels` are traced.
+FrameBlock make_surface_block(const SurfacePart& part, const RendererOptions& options, int pyramid_levels);
 
 // The rest, for one frame. Matrices are column major, as OpenGL reads them.
-void fill_frame(FrameBlock& block, const FrameScene& scene, const surface::Placement& placement,
-                const RendererOptions& options);
-
-// Which of the frame's casters of shadows a curved part is, or -1.
-int caster_of_part(const FrameScene& scene, std::size_t part);
+void update_frame_block(FrameBlock& block, const FrameScene& scene, const ShadowCasters& casters,
+                        const surface::Placement& placement, const RendererOptions& options);
 
 // A body's pose in the surface's frame, its mesh scaled by `scale`.
 Eigen::Matrix4f model_matrix(const Pose& pose, double scale, const surface::Placement& placement);
@@ -57,13 +66,12 @@ Eigen::Matrix4f model_matrix(const Pose& pose, double scale, const surface::Plac
 // The pose of a pen's mesh, which stands on its tip along +Z.
 Pose pen_pose(const Pen& pen);
 
-// The shader programs of a picture, and where they find the frame and the textures. Needs a current context.
-
 inline constexpr GLuint frame_binding = 0;
-enum Unit { heights_unit, bounds_unit, normals_unit, colour_unit, samples_unit };
+enum TextureUnit { heights_unit, bounds_unit, normals_unit, colour_unit, samples_unit };
 
-// What does not change within a picture is a constant of its program: drivers without branches (llvmpipe) run
-// whatever might be needed, so the march and its shadow must not be in the program of a bare base.
+// The compiled programs; needs a current context. Anything fixed for a picture is a compile-time constant of
+// its program: llvmpipe executes both sides of a branch, so a bare base must not have the march and its
+// shadow compiled in.
 struct Programs {
   gl::Program slab, shell;                // flat and normal mapped
   gl::Program relief_slab, relief_shell;  // traced

@@ -1,11 +1,11 @@
 #include "render/renderer.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <map>
 #include <optional>
-#include <fmt/format.h>
 
 #include "intaglio/representation.h"
 #include "render/egl_context.h"
@@ -36,29 +36,29 @@ Result<void> check(const RendererOptions& o) {
   return {};
 }
 
-// What pictures are drawn into: samples, and the pixels that they become.
-struct Canvas {
+// The supersampled target and the picture that it is resolved to.
+struct RenderTargets {
   gl::Framebuffer samples, pixels;
 
-  static Result<Canvas> create(const RendererOptions& options) {
+  static Result<RenderTargets> create(const RendererOptions& options) {
     const int s = options.supersample;
     auto samples = gl::Framebuffer::create(options.width * s, options.height * s, GL_RGBA16F, true);
     if (!samples) return tl::unexpected(samples.error());
     auto pixels = gl::Framebuffer::create(options.width, options.height, GL_RGBA8, false);
     if (!pixels) return tl::unexpected(pixels.error());
-    return Canvas{std::move(*samples), std::move(*pixels)};
+    return RenderTargets{std::move(*samples), std::move(*pixels)};
   }
 };
 
-// A textured rectangle on the device.
+// A textured surface on the device.
 struct Part {
   surface::Placement placement;
   SurfaceTextures textures;
   FrameBlock block;
-  std::optional<gl::VertexArray> mesh;     // in place of traced relief
-  std::optional<gl::InstanceArray> shell;  // of a curved base, in place of a slab
+  std::optional<gl::VertexArray> mesh;     // replaces traced relief
+  std::optional<gl::InstanceArray> shell;  // replaces the slab, on a curved base
 
-  // A relief without depth is the plane, and its normals are drawn.
+  // Zero depth is drawn as a normal map.
   bool has_relief(const FrameScene& scene) const {
     return scene.representation == Representation::relief && block.size[2] > 0;
   }
@@ -66,59 +66,62 @@ struct Part {
   static Result<Part> create(const SurfacePart& part, const RendererOptions& options) {
     auto textures = SurfaceTextures::create(*part.surface);
     if (!textures) return tl::unexpected(textures.error());
-    const FrameBlock block = surface_block(part, options, textures->pyramid_levels);
+    const FrameBlock block = make_surface_block(part, options, textures->pyramid_levels);
     Part out{part.surface->placement(), std::move(*textures), block, {}, {}};
     if (part.base) {
       const auto& place = part.surface->placement();
+      // The shell must enclose the deepest texel after its height is rounded to 16 bits and the march's steps
+      // are rounded; a flat one needs some thickness for its tetrahedra to be entered.
       const double depth = block.size[2] > 0 ? 1.01 * double(block.size[2]) : 1e-3 * place.size_u();
-      const auto shell = make_shell(*part.base, depth, {place.size_u(), place.size_v()});
+      const auto shell = shell_tetrahedra(*part.base, depth, {place.size_u(), place.size_v()});
       if (!shell) return tl::unexpected(shell.error());
       out.shell.emplace(8, std::span(shell->front().corner[0].data(), shell->size() * 24));
-    } else if (part.mesh_cells > 0)
-      out.mesh.emplace(slab_mesh(*part.surface, part.mesh_cells, double(block.size[3])));
+    } else if (part.displaced_mesh_cells > 0)
+      out.mesh.emplace(slab_mesh(*part.surface, part.displaced_mesh_cells, double(block.size[3])));
     return out;
   }
 };
 
-// A solid's mesh on the device, and whether the last picture had it.
-struct Uploaded {
+// A solid's mesh on the device.
+struct UploadedMesh {
   std::shared_ptr<const Mesh> mesh;
   gl::VertexArray triangles;
-  bool is_used = true;
+  bool is_used = true;  // by the last picture
 };
 
 }  // namespace
 
-// Everything that lives on the device. The context is first: it dies last.
+// Everything on the device. The context is declared first so that it is destroyed last.
 struct Renderer::Gpu {
   std::optional<EglContext> context;  // none: the caller's
   RendererOptions options;
   Programs programs;
-  Canvas canvas;
+  RenderTargets targets;
   std::vector<Part> parts = {};
-  std::map<const Mesh*, Uploaded> solids = {};
+  std::map<const Mesh*, UploadedMesh> solids = {};
   gl::UniformBuffer frame{frame_binding, sizeof(FrameBlock)};
-  gl::VertexArray no_vertices;
+  gl::VertexArray empty_array;
   gl::VertexArray sphere{unit_sphere()};
-  gl::VertexArray pen_mesh;
-  Vec2 pen_mesh_size = Vec2::Zero();  // length and radius that pen_mesh was made for
-  Camera camera;                      // of the last draw
+  gl::VertexArray pen;
+  Vec2 pen_size = Vec2::Zero();  // length and radius of the uploaded pen
+  Camera camera;                 // of the last draw
+  ShadowCasters casters = {};    // of the last draw
 
   void draw(const FrameScene& scene);
-  void begin(Part& part, const FrameScene& scene);
+  void bind_part(Part& part, const FrameScene& scene);
   void draw_part(std::size_t index, const FrameScene& scene);
   void draw_shell(std::size_t index, const FrameScene& scene);
   void draw_balls(const std::vector<Ball>& balls);
   void draw_solids(const FrameScene& scene);
-  void draw_pen(const Pen& pen_);
+  void draw_pen(const Pen& shown);
   void resolve(const Background& background);
 };
 
 namespace {
 
-// The context of its own is current for as long as this lives; a caller's is already.
-std::optional<Current> current(const std::optional<EglContext>& context) {
-  return context ? std::optional<Current>(std::in_place, *context) : std::nullopt;
+// Makes a renderer's own context current for a scope; a caller's is current already.
+std::optional<CurrentContext> make_current(const std::optional<EglContext>& context) {
+  return context ? std::optional<CurrentContext>(std::in_place, *context) : std::nullopt;
 }
 
 Image8 pixels_of(const gl::Framebuffer& framebuffer) {
@@ -140,37 +143,38 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const surface::Surface& surfa
     if (!created) return tl::unexpected(created.error());
     context = std::move(*created);
   }
-  auto canvas = Canvas::create(options);
-  if (!canvas) return tl::unexpected(canvas.error());
+  const auto scope = make_current(context);
+  auto targets = RenderTargets::create(options);
+  if (!targets) return tl::unexpected(targets.error());
   auto programs = Programs::create(options, embedded_shaders());
   if (!programs) return tl::unexpected(programs.error());
   auto part = Part::create({.surface = &surface,
                             .slab_thickness = options.slab_thickness,
                             .roughness = options.roughness,
-                            .mesh_cells = options.mesh_cells},
+                            .displaced_mesh_cells = options.displaced_mesh_cells},
                            options);
   if (!part) return tl::unexpected(part.error());
   auto gpu = std::unique_ptr<Gpu>(new Gpu{.context = std::move(context),
                                           .options = options,
                                           .programs = std::move(*programs),
-                                          .canvas = std::move(*canvas),
-                                          .no_vertices = {},
-                                          .pen_mesh = {},
+                                          .targets = std::move(*targets),
+                                          .empty_array = {},
+                                          .pen = {},
                                           .camera = {}});
   gpu->parts.push_back(std::move(*part));
-  if (gpu->context) gpu->context->release();
   return std::unique_ptr<Renderer>(new Renderer(std::move(gpu)));
 }
 
 Renderer::Renderer(std::unique_ptr<Gpu> gpu) : gpu_(std::move(gpu)) {}
 
-// The device's objects die with their context current; it lets go when it dies, last.
+// GL objects are destroyed with their context current.
 Renderer::~Renderer() {
-  if (gpu_->context) gpu_->context->make_current();
+  const auto scope = make_current(gpu_->context);
+  gpu_.reset();
 }
 
 std::string Renderer::device() const {
-  const auto scope = current(gpu_->context);
+  const auto scope = make_current(gpu_->context);
   return description_of_current();
 }
 
@@ -185,8 +189,8 @@ Renderer::DeviceBytes Renderer::device_bytes() const {
 }
 
 Result<void> Renderer::show(std::span<const SurfacePart> shown) {
-  if (shown.empty()) return fail("renderer", "was given no surface to show", "give at least one");
-  const auto scope = current(gpu_->context);
+  if (shown.empty()) return fail("renderer", "needs at least one surface");
+  const auto scope = make_current(gpu_->context);
   std::vector<Part> parts;
   for (const SurfacePart& part : shown) {
     auto created = Part::create(part, gpu_->options);
@@ -198,7 +202,7 @@ Result<void> Renderer::show(std::span<const SurfacePart> shown) {
 }
 
 Result<void> Renderer::reload_shaders(const std::filesystem::path& folder) {
-  const auto scope = current(gpu_->context);
+  const auto scope = make_current(gpu_->context);
   const auto files = shaders_from(folder);
   if (!files) return tl::unexpected(files.error());
   auto programs = Programs::create(gpu_->options, *files);
@@ -208,30 +212,30 @@ Result<void> Renderer::reload_shaders(const std::filesystem::path& folder) {
 }
 
 Result<void> Renderer::resize(int width, int height) {
-  const auto scope = current(gpu_->context);
+  const auto scope = make_current(gpu_->context);
   RendererOptions options = gpu_->options;
   options.width = width;
   options.height = height;
-  auto canvas = Canvas::create(options);
-  if (!canvas) return tl::unexpected(canvas.error());
-  gpu_->canvas = std::move(*canvas);
+  auto targets = RenderTargets::create(options);
+  if (!targets) return tl::unexpected(targets.error());
+  gpu_->targets = std::move(*targets);
   gpu_->options = options;
   return {};
 }
 
 Image8 Renderer::draw(const FrameScene& scene) {
-  const auto scope = current(gpu_->context);
+  const auto scope = make_current(gpu_->context);
   gpu_->draw(scene);
-  return pixels_of(gpu_->canvas.pixels);
+  return pixels_of(gpu_->targets.pixels);
 }
 
 void Renderer::draw_to(const FrameScene& scene, unsigned framebuffer, int width, int height) {
-  const auto scope = current(gpu_->context);
+  const auto scope = make_current(gpu_->context);
   gpu_->draw(scene);
-  const gl::Framebuffer& pixels = gpu_->canvas.pixels;
+  const gl::Framebuffer& pixels = gpu_->targets.pixels;
   glBindFramebuffer(GL_READ_FRAMEBUFFER, pixels.name());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
-  // Pixels have their top row first, a window its bottom row.
+  // Pictures have their top row first, windows their bottom row.
   glBlitFramebuffer(0, 0, pixels.width(), pixels.height(), 0, height, width, 0, GL_COLOR_BUFFER_BIT,
                     pixels.width() == width && pixels.height() == height ? GL_NEAREST : GL_LINEAR);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
@@ -240,10 +244,10 @@ void Renderer::draw_to(const FrameScene& scene, unsigned framebuffer, int width,
 }
 
 Result<Image8> Renderer::capture(int width, int height) {
-  const auto scope = current(gpu_->context);
+  const auto scope = make_current(gpu_->context);
   auto target = gl::Framebuffer::create(width, height, GL_RGBA8, false);
   if (!target) return tl::unexpected(target.error());
-  const gl::Framebuffer& pixels = gpu_->canvas.pixels;
+  const gl::Framebuffer& pixels = gpu_->targets.pixels;
   glBindFramebuffer(GL_READ_FRAMEBUFFER, pixels.name());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target->name());
   glBlitFramebuffer(0, 0, pixels.width(), pixels.height(), 0, 0, width, height, GL_COLOR_BUFFER_BIT,
@@ -253,7 +257,8 @@ Result<Image8> Renderer::capture(int width, int height) {
 
 void Renderer::Gpu::draw(const FrameScene& scene) {
   camera = scene.camera;
-  canvas.samples.bind();
+  casters = shadow_casters(scene);
+  targets.samples.bind();
   glDisable(GL_SCISSOR_TEST);
   glDisable(GL_BLEND);
   glClearColor(0, 0, 0, 0);
@@ -262,21 +267,21 @@ void Renderer::Gpu::draw(const FrameScene& scene) {
   glEnable(GL_CULL_FACE);
   glFrontFace(GL_CCW);
   glCullFace(GL_BACK);
-  begin(parts.front(), scene);
+  bind_part(parts.front(), scene);
   draw_balls(scene.balls);
   draw_solids(scene);
   if (scene.pen) draw_pen(*scene.pen);
   draw_part(0, scene);
   for (std::size_t k = 1; k < parts.size(); ++k) {
-    begin(parts[k], scene);
+    bind_part(parts[k], scene);
     draw_part(k, scene);
   }
   resolve(scene.background);
 }
 
-// What is drawn next is drawn in that part's frame.
-void Renderer::Gpu::begin(Part& part, const FrameScene& scene) {
-  fill_frame(part.block, scene, part.placement, options);
+// Draws that follow are in the part's frame and read its textures.
+void Renderer::Gpu::bind_part(Part& part, const FrameScene& scene) {
+  update_frame_block(part.block, scene, casters, part.placement, options);
   frame.write(&part.block);
   part.textures.heights.bind(heights_unit);
   part.textures.bounds.bind(bounds_unit);
@@ -295,7 +300,7 @@ void Renderer::Gpu::draw_part(std::size_t index, const FrameScene& scene) {
   }
   (part.has_relief(scene) ? programs.relief_slab : programs.slab).use();
   glCullFace(GL_FRONT);
-  no_vertices.draw_unindexed(36);
+  empty_array.draw_unindexed(36);
   glCullFace(GL_BACK);
 }
 
@@ -304,7 +309,7 @@ void Renderer::Gpu::draw_shell(std::size_t index, const FrameScene& scene) {
   const gl::Program& shell = parts[index].has_relief(scene) ? programs.relief_shell : programs.shell;
   shell.use();
   shell.set("model", model_matrix(pose, 1, parts[index].placement));
-  shell.set("self_caster", caster_of_part(scene, index));
+  shell.set("self_caster", index < casters.parts.size() ? casters.parts[index] : -1);
   glCullFace(GL_FRONT);
   parts[index].shell->draw();
   glCullFace(GL_BACK);
@@ -315,7 +320,7 @@ void Renderer::Gpu::draw_balls(const std::vector<Ball>& balls) {
   for (std::size_t k = 0; k < balls.size(); ++k) {
     const Ball& ball = balls[k];
     programs.ball.set("model", model_matrix(ball.pose, ball.radius, parts.front().placement));
-    programs.ball.set("self", k < max_shadow_balls ? static_cast<int>(k) : -2);
+    programs.ball.set("self", casters.balls[k]);
     programs.ball.set("colour_a", Eigen::Vector3f(ball.colour.cast<float>()));
     programs.ball.set("colour_b", Eigen::Vector3f(ball.second_colour.cast<float>()));
     sphere.draw();
@@ -325,51 +330,51 @@ void Renderer::Gpu::draw_balls(const std::vector<Ball>& balls) {
 void Renderer::Gpu::draw_solids(const FrameScene& scene) {
   programs.plain.use();
   for (auto& entry : solids) entry.second.is_used = false;
-  int caster = static_cast<int>(scene.balls.size());
-  for (const Solid& solid : scene.solids) {
+  for (std::size_t k = 0; k < scene.solids.size(); ++k) {
+    const Solid& solid = scene.solids[k];
     auto [at, is_new] = solids.try_emplace(solid.mesh.get());
     if (is_new) at->second = {solid.mesh, gl::VertexArray(*solid.mesh)};
     at->second.is_used = true;
     programs.plain.set("model", model_matrix(solid.pose, 1, parts.front().placement));
-    const bool casts = solid.shadow_radius > 0 && caster < max_shadow_balls;
-    programs.plain.set("self", casts ? caster : -2);
-    if (solid.shadow_radius > 0) ++caster;
+    programs.plain.set("self", casters.solids[k]);
     programs.plain.set("colour_a", Eigen::Vector3f(solid.colour.cast<float>()));
     at->second.triangles.draw();
   }
   std::erase_if(solids, [](const auto& entry) { return !entry.second.is_used; });
 }
 
-void Renderer::Gpu::draw_pen(const Pen& pen_) {
-  if (const Vec2 wanted(pen_.length, pen_.radius); wanted != pen_mesh_size) {
-    pen_mesh = gl::VertexArray(pen(pen_.length, pen_.radius));
-    pen_mesh_size = wanted;
+void Renderer::Gpu::draw_pen(const Pen& shown) {
+  if (const Vec2 size(shown.length, shown.radius); size != pen_size) {
+    pen = gl::VertexArray(pen_mesh(shown.length, shown.radius));
+    pen_size = size;
   }
   programs.pen.use();
-  programs.pen.set("model", model_matrix(pen_pose(pen_), 1, parts.front().placement));
-  programs.pen.set("colour_a", Eigen::Vector3f(pen_.colour.cast<float>()));
-  pen_mesh.draw();
+  programs.pen.set("model", model_matrix(pen_pose(shown), 1, parts.front().placement));
+  programs.pen.set("colour_a", Eigen::Vector3f(shown.colour.cast<float>()));
+  pen.draw();
 }
 
 void Renderer::Gpu::resolve(const Background& background) {
-  canvas.pixels.bind();
+  targets.pixels.bind();
   glDisable(GL_DEPTH_TEST);
-  canvas.samples.colour().bind(samples_unit);
+  targets.samples.colour().bind(samples_unit);
   programs.resolve.use();
   programs.resolve.set("background_top", Eigen::Vector3f(background.top.cast<float>()));
   programs.resolve.set("background_bottom", Eigen::Vector3f(background.bottom.cast<float>()));
-  no_vertices.draw_unindexed(3);
+  empty_array.draw_unindexed(3);
 }
 
+// Window depth w maps the distance z from `near` to `far` by w = far (z - near) / (z (far - near)), so
+// z = near far / (far - w (far - near)).
 std::vector<float> Renderer::depth() const {
   const Gpu& gpu = *gpu_;
-  const auto scope = current(gpu.context);
-  gpu.canvas.samples.bind();
-  const auto s = static_cast<std::size_t>(gpu.options.supersample);
-  const auto width = static_cast<std::size_t>(gpu.options.width);
-  const auto height = static_cast<std::size_t>(gpu.options.height);
+  const auto scope = make_current(gpu.context);
+  gpu.targets.samples.bind();
+  const auto s = std::size_t(gpu.options.supersample);
+  const auto width = std::size_t(gpu.options.width);
+  const auto height = std::size_t(gpu.options.height);
   std::vector<float> window(width * s * height * s);
-  glReadPixels(0, 0, gpu.canvas.samples.width(), gpu.canvas.samples.height(), GL_DEPTH_COMPONENT, GL_FLOAT,
+  glReadPixels(0, 0, gpu.targets.samples.width(), gpu.targets.samples.height(), GL_DEPTH_COMPONENT, GL_FLOAT,
                window.data());
   const double near = gpu.camera.near;
   const double far = gpu.camera.far;
@@ -377,8 +382,8 @@ std::vector<float> Renderer::depth() const {
   for (std::size_t y = 0; y < height; ++y) {
     for (std::size_t x = 0; x < width; ++x) {
       const double w = window[((height - 1 - y) * s + s / 2) * width * s + x * s + s / 2];
-      out[y * width + x] = w < 1 ? static_cast<float>(near * far / (far - w * (far - near)))
-                                 : std::numeric_limits<float>::infinity();
+      out[y * width + x] =
+          w < 1 ? float(near * far / (far - w * (far - near))) : std::numeric_limits<float>::infinity();
     }
   }
   return out;

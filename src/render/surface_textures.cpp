@@ -1,12 +1,12 @@
 #include "render/surface_textures.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <fmt/format.h>
 
 namespace intaglio::render {
 
@@ -14,16 +14,15 @@ namespace {
 
 constexpr float padding_height = -1e9f;  // such a block is always skipped
 
-HeightPyramid::Level cell_tops(const std::vector<float>& z, int width, int height, int block) {
+HeightGrid cell_tops(const HeightGrid& heights, int block) {
   const auto padded = [block](int cells) { return (cells + block - 1) / block * block; };
-  HeightPyramid::Level level{padded(width - 1), padded(height - 1), {}};
-  level.highest.assign(std::size_t(level.width) * std::size_t(level.height), padding_height);
-  for (int j = 0; j + 1 < height; ++j) {
-    for (int i = 0; i + 1 < width; ++i) {
-      const float* low = &z[std::size_t(j) * std::size_t(width) + std::size_t(i)];
-      const float* high = low + width;
-      level.highest[std::size_t(j) * std::size_t(level.width) + std::size_t(i)] =
-          std::max(std::max(low[0], low[1]), std::max(high[0], high[1]));
+  HeightGrid level{padded(heights.width - 1), padded(heights.height - 1), {}};
+  level.z.assign(std::size_t(level.width) * std::size_t(level.height), padding_height);
+  for (int j = 0; j + 1 < heights.height; ++j) {
+    for (int i = 0; i + 1 < heights.width; ++i) {
+      const float* low = &heights.z[heights.index(i, j)];
+      const float* high = low + heights.width;
+      level.at(i, j) = std::max(std::max(low[0], low[1]), std::max(high[0], high[1]));
     }
   }
   return level;
@@ -31,42 +30,39 @@ HeightPyramid::Level cell_tops(const std::vector<float>& z, int width, int heigh
 
 }  // namespace
 
-HeightPyramid::Level halved_bounds(const HeightPyramid::Level& fine) {
-  HeightPyramid::Level coarse{fine.width / 2, fine.height / 2, {}};
-  coarse.highest.reserve(std::size_t(coarse.width) * std::size_t(coarse.height));
+HeightGrid coarser_bounds(const HeightGrid& fine) {
+  HeightGrid coarse{fine.width / 2, fine.height / 2, {}};
+  coarse.z.reserve(std::size_t(coarse.width) * std::size_t(coarse.height));
   for (int j = 0; j < coarse.height; ++j) {
     for (int i = 0; i < coarse.width; ++i) {
-      const float* low = &fine.highest[std::size_t(2 * j) * std::size_t(fine.width) + std::size_t(2 * i)];
+      const float* low = &fine.z[fine.index(2 * i, 2 * j)];
       const float* high = low + fine.width;
-      coarse.highest.push_back(std::max(std::max(low[0], low[1]), std::max(high[0], high[1])));
+      coarse.z.push_back(std::max(std::max(low[0], low[1]), std::max(high[0], high[1])));
     }
   }
   return coarse;
 }
 
-HeightPyramid make_height_pyramid(const std::vector<float>& heights, int width, int height) {
+HeightPyramid make_height_pyramid(const HeightGrid& heights) {
   int count = 1;
-  while (count < HeightPyramid::most_levels && (1 << count) < std::max(width, height)) ++count;
+  while (count < HeightPyramid::max_levels && (1 << count) < std::max(heights.width, heights.height)) ++count;
   HeightPyramid pyramid;
-  pyramid.levels.push_back(cell_tops(heights, width, height, 1 << (count - 1)));
-  while (static_cast<int>(pyramid.levels.size()) < count)
-    pyramid.levels.push_back(halved_bounds(pyramid.levels.back()));
+  pyramid.levels.push_back(cell_tops(heights, 1 << (count - 1)));
+  while (int(pyramid.levels.size()) < count) pyramid.levels.push_back(coarser_bounds(pyramid.levels.back()));
   return pyramid;
 }
 
 namespace {
 
-using Level = HeightLevels::Level;
-
-// Room for the vertices 0, 2^k, ... that the cells of all levels up to the coarsest end at.
+// `vertices` rounded up so that the cells of every traced level end on a stored vertex.
 int padded(int vertices) {
-  constexpr int block = 1 << HeightLevels::coarsest;
+  constexpr int block = 1 << HeightLevels::coarsest_traced;
   return ((vertices - 1 + block - 1) / block + 1) * block;
 }
 
-Level finest(const surface::Surface& surface) {
+HeightGrid finest_level(const surface::Surface& surface) {
   const double scale = surface.is_flat() ? 0 : 65535 / surface.max_depth();
-  Level out{padded(surface.width() + 2), padded(surface.height() + 2), {}};
+  HeightGrid out{padded(surface.width() + 2), padded(surface.height() + 2), {}};
   out.z.reserve(std::size_t(out.width) * std::size_t(out.height));
   for (int j = 0; j < out.height; ++j)
     for (int i = 0; i < out.width; ++i)
@@ -74,8 +70,8 @@ Level finest(const surface::Surface& surface) {
   return out;
 }
 
-Level halved(const Level& fine) {
-  Level out{std::max(fine.width / 2, 1), std::max(fine.height / 2, 1), {}};
+HeightGrid half_resolution_heights(const HeightGrid& fine) {
+  HeightGrid out{std::max(fine.width / 2, 1), std::max(fine.height / 2, 1), {}};
   out.z.reserve(std::size_t(out.width) * std::size_t(out.height));
   const auto row_mean = [&](int i, int j) {
     j = std::clamp(j, 0, fine.height - 1);
@@ -89,11 +85,11 @@ Level halved(const Level& fine) {
   return out;
 }
 
-// Raises blocks to the cells of the field that has one cell a block.
-void raise(HeightPyramid::Level& bounds, const Level& field) {
+// Raises the bounds of blocks to the field that has one cell a block.
+void include_coarser_field(HeightGrid& bounds, const HeightGrid& field) {
   for (int j = 0; j < bounds.height; ++j) {
     for (int i = 0; i < bounds.width; ++i) {
-      float& top = bounds.highest[std::size_t(j) * std::size_t(bounds.width) + std::size_t(i)];
+      float& top = bounds.at(i, j);
       if (top < -65535) continue;  // padding
       const int right = std::min(i + 1, field.width - 1), above = std::min(j + 1, field.height - 1);
       top = std::max({top, field.at(i, j), field.at(right, j), field.at(i, above), field.at(right, above)});
@@ -104,24 +100,24 @@ void raise(HeightPyramid::Level& bounds, const Level& field) {
 }  // namespace
 
 HeightLevels make_height_levels(const surface::Surface& surface) {
-  constexpr int few = 4;
+  constexpr int smallest_side = 4;
   HeightLevels out;
-  out.levels.push_back(finest(surface));
-  while (std::max(out.levels.back().width, out.levels.back().height) > few)
-    out.levels.push_back(halved(out.levels.back()));
+  out.levels.push_back(finest_level(surface));
+  while (std::max(out.levels.back().width, out.levels.back().height) > smallest_side)
+    out.levels.push_back(half_resolution_heights(out.levels.back()));
   return out;
 }
 
-HeightPyramid bounds_of(const HeightLevels& heights, int width, int height) {
-  const Level& finest = heights.levels.front();
-  std::vector<float> z;
-  z.reserve(std::size_t(width) * std::size_t(height));
+HeightPyramid height_bounds(const HeightLevels& heights, int width, int height) {
+  HeightGrid used{width, height, {}};
+  used.z.reserve(std::size_t(width) * std::size_t(height));
   for (int j = 0; j < height; ++j)
-    for (int i = 0; i < width; ++i) z.push_back(finest.at(i, j));
-  HeightPyramid pyramid = make_height_pyramid(z, width, height);
+    for (int i = 0; i < width; ++i) used.z.push_back(heights.levels.front().at(i, j));
+  HeightPyramid pyramid = make_height_pyramid(used);
   for (std::size_t k = 1; k < pyramid.levels.size(); ++k) {
-    pyramid.levels[k] = halved_bounds(pyramid.levels[k - 1]);
-    if (k < heights.levels.size() && k <= HeightLevels::coarsest) raise(pyramid.levels[k], heights.levels[k]);
+    pyramid.levels[k] = coarser_bounds(pyramid.levels[k - 1]);
+    if (k < heights.levels.size() && k <= HeightLevels::coarsest_traced)
+      include_coarser_field(pyramid.levels[k], heights.levels[k]);
   }
   return pyramid;
 }
@@ -133,7 +129,7 @@ struct Plane {
   int width, height;
   std::vector<float> rgb;
 
-  std::size_t at(int i, int j) const { return 3 * (std::size_t(j) * std::size_t(width) + std::size_t(i)); }
+  std::size_t index(int i, int j) const { return 3 * (std::size_t(j) * std::size_t(width) + std::size_t(i)); }
 };
 
 Plane linear(const Image8& image) {
@@ -148,53 +144,59 @@ Plane linear(const Image8& image) {
   return out;
 }
 
-// The texels that one of `half` texels covers of `whole`, with their shares.
-struct Cover {
+// Source texels that a coarse texel covers, with box-filter weights.
+//
+// n texels become h = floor(n / 2), so a coarse one spans n / h texels: 2, or 2 + 1 / h when n is odd. Then
+// coarse texel k spans 2k + k / h to 2k + 2 + (k + 1) / h <= 2k + 3: never more than three texels. A side of
+// one texel stays one, with weight 1.
+struct Coverage {
   int first = 0, count = 0;
-  std::array<float, 3> share = {};
+  std::array<float, 3> weight = {};
 };
-Cover cover(int k, int half, int whole) {
+Coverage coverage(int k, int half, int whole) {
   const double from = double(k) * whole / half, to = double(k + 1) * whole / half;
-  Cover out;
+  Coverage out;
   out.first = int(from);
   for (int i = out.first; i < to && out.count < 3; ++i)
-    out.share[std::size_t(out.count++)] =
+    out.weight[std::size_t(out.count++)] =
         float((std::min(to, i + 1.0) - std::max(from, double(i))) / (to - from));
   return out;
 }
 
-Plane halved(const Plane& fine) {
+Plane half_resolution_light(const Plane& fine) {
   Plane out{std::max(fine.width / 2, 1), std::max(fine.height / 2, 1), {}};
   out.rgb.assign(3 * std::size_t(out.width) * std::size_t(out.height), 0.0f);
   for (int j = 0; j < out.height; ++j) {
-    const Cover rows = cover(j, out.height, fine.height);
+    const Coverage rows = coverage(j, out.height, fine.height);
     for (int i = 0; i < out.width; ++i) {
-      const Cover columns = cover(i, out.width, fine.width);
+      const Coverage columns = coverage(i, out.width, fine.width);
       for (int y = 0; y < rows.count; ++y)
         for (int x = 0; x < columns.count; ++x)
           for (std::size_t c = 0; c < 3; ++c)
-            out.rgb[out.at(i, j) + c] += rows.share[std::size_t(y)] * columns.share[std::size_t(x)] *
-                                         fine.rgb[fine.at(columns.first + x, rows.first + y) + c];
+            out.rgb[out.index(i, j) + c] += rows.weight[std::size_t(y)] * columns.weight[std::size_t(x)] *
+                                            fine.rgb[fine.index(columns.first + x, rows.first + y) + c];
     }
   }
   return out;
 }
 
-// m / 512 * 2^(e - 15), the exponent being the brightest component's.
-std::uint32_t packed(const float* rgb) {
-  const float most = std::max({rgb[0], rgb[1], rgb[2]});
-  int e = 0;  // most = 0.5..1 * 2^e
-  std::frexp(most, &e);
+// RGB9E5: three components m of 9 bits and one exponent E of 5 bits mean the values m 2^(E - 15 - 9). With E
+// = e + 15 and the brightest component in 0.5..1 times 2^e, its m is 256 to 512; 512, by rounding, does not
+// fit and takes the next exponent.
+std::uint32_t pack_rgb9e5(const float* rgb) {
+  const float brightest = std::max({rgb[0], rgb[1], rgb[2]});
+  int e = 0;
+  std::frexp(brightest, &e);
   e = std::clamp(e, -15, 15);
-  if (std::lround(std::ldexp(most, 9 - e)) > 511) ++e;
+  if (std::lround(std::ldexp(brightest, 9 - e)) > 511) ++e;
   const auto mantissa = [&](float x) { return std::uint32_t(std::lround(std::ldexp(x, 9 - e))); };
   return mantissa(rgb[0]) | mantissa(rgb[1]) << 9 | mantissa(rgb[2]) << 18 | std::uint32_t(e + 15) << 27;
 }
 
-ColourLevel packed(const Plane& plane) {
+ColourLevel pack_level(const Plane& plane) {
   ColourLevel out{plane.width, plane.height, {}};
   out.texels.reserve(plane.rgb.size() / 3);
-  for (std::size_t k = 0; k < plane.rgb.size(); k += 3) out.texels.push_back(packed(&plane.rgb[k]));
+  for (std::size_t k = 0; k < plane.rgb.size(); k += 3) out.texels.push_back(pack_rgb9e5(&plane.rgb[k]));
   return out;
 }
 
@@ -203,10 +205,10 @@ ColourLevel packed(const Plane& plane) {
 std::vector<ColourLevel> colour_levels(const Image8& srgb) {
   std::vector<ColourLevel> out;
   Plane plane = linear(srgb);
-  out.push_back(packed(plane));
+  out.push_back(pack_level(plane));
   while (plane.width > 1 || plane.height > 1) {
-    plane = halved(plane);
-    out.push_back(packed(plane));
+    plane = half_resolution_light(plane);
+    out.push_back(pack_level(plane));
   }
   return out;
 }
@@ -215,15 +217,16 @@ namespace {
 
 constexpr gl::TextureFormat ten_bits = {GL_RGB10_A2, GL_RGBA, GL_UNSIGNED_INT_2_10_10_10_REV};
 
-std::vector<std::uint16_t> as_depth(const std::vector<float>& z) {
+std::vector<std::uint16_t> to_depth_fractions(const std::vector<float>& z) {
   std::vector<std::uint16_t> out(z.size());
   std::transform(z.begin(), z.end(), out.begin(),
                  [](float a) { return std::uint16_t(std::min(-a, 65535.0f)); });
   return out;
 }
 
-// Ten bits a component, 511 n + 512, so that the plane's normal is exact.
-std::vector<std::uint32_t> packed_normals(const surface::Surface& surface) {
+// Ten bits a component. Shaders read the fraction n' = (511 n + 512) / 1023, which is exact for n = 0 and 1:
+// the normal of a flat surface decodes exactly.
+std::vector<std::uint32_t> pack_normals(const surface::Surface& surface) {
   const std::vector<float> normal = surface.normal_texture();
   std::vector<std::uint32_t> out(normal.size() / 3);
   const auto component = [](float a) { return std::uint32_t(std::lround(511 * a) + 512); };
@@ -249,8 +252,8 @@ gl::Texture mipmapped(int width, int height, const gl::TextureFormat& format, co
 gl::Texture colour_texture(const surface::Surface& surface) {
   const Image8& image = surface.colour();
   constexpr gl::TextureFormat light = {GL_RGB9_E5, GL_RGB, GL_UNSIGNED_INT_5_9_9_9_REV};
-  constexpr std::uint32_t nobody_looks[] = {0};
-  if (image.empty()) return gl::Texture(1, 1, light, nobody_looks);
+  constexpr std::uint32_t unused_texel[] = {0};
+  if (image.empty()) return gl::Texture(1, 1, light, unused_texel);
   gl::Texture texture(image.width, image.height, light, nullptr);
   int at = 0;
   for (const ColourLevel& level : colour_levels(image))
@@ -264,7 +267,7 @@ gl::Texture colour_texture(const surface::Surface& surface) {
 Result<SurfaceTextures> SurfaceTextures::create(const surface::Surface& surface) {
   GLint limit = 0;
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
-  constexpr int border = 2 + (1 << HeightPyramid::most_levels);  // of the heights, and the pyramid's padding
+  constexpr int border = 2 + (1 << HeightPyramid::max_levels);  // of the heights, and the pyramid's padding
   const int largest = std::max(
       {surface.width() + border, surface.height() + border, surface.colour().width, surface.colour().height});
   if (largest > limit) {
@@ -277,25 +280,25 @@ Result<SurfaceTextures> SurfaceTextures::create(const surface::Surface& surface)
   SurfaceTextures result;
   const HeightLevels heights = make_height_levels(surface);
   result.heights = gl::Texture(heights.levels[0].width, heights.levels[0].height, fraction, nullptr);
-  // A picture asks for one level at a time: nothing to blend between.
+  // Shaders sample one level at a time, so there is no filtering between levels.
   result.heights.set_filter(GL_LINEAR_MIPMAP_NEAREST, GL_LINEAR);
   int at = 0;
-  for (const HeightLevels::Level& level : heights.levels) {
-    result.heights.set_level(at++, level.width, level.height, fraction, as_depth(level.z).data());
+  for (const HeightGrid& level : heights.levels) {
+    result.heights.set_level(at++, level.width, level.height, fraction, to_depth_fractions(level.z).data());
     result.bytes += 2 * level.z.size();
   }
-  // Level 0 is left out: to ask a cell's patch costs no more than to ask whether it need be asked.
-  const HeightPyramid pyramid = bounds_of(heights, surface.width() + 2, surface.height() + 2);
+  // Level 0 is omitted: intersecting a cell's patch costs no more than testing its bound.
+  const HeightPyramid pyramid = height_bounds(heights, surface.width() + 2, surface.height() + 2);
   const auto& blocks = pyramid.levels[1];
   result.bounds = gl::Texture(blocks.width, blocks.height, fraction, nullptr);
   result.bounds.set_filter(GL_NEAREST_MIPMAP_NEAREST, GL_NEAREST);
   for (auto level = pyramid.levels.begin() + 1; level != pyramid.levels.end(); ++level) {
     result.bounds.set_level(result.pyramid_levels++, level->width, level->height, fraction,
-                            as_depth(level->highest).data());
-    result.bytes += 2 * level->highest.size();
+                            to_depth_fractions(level->z).data());
+    result.bytes += 2 * level->z.size();
   }
   result.normals =
-      mipmapped(surface.width(), surface.height(), ten_bits, packed_normals(surface).data(), surface.edge());
+      mipmapped(surface.width(), surface.height(), ten_bits, pack_normals(surface).data(), surface.edge());
   result.colour = colour_texture(surface);
   // A texture with its mips is 4/3 of itself; drivers keep four bytes for a colour.
   const std::size_t texels = std::size_t(surface.width()) * std::size_t(surface.height());

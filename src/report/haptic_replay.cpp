@@ -27,7 +27,7 @@ std::string haptic_summary(const haptics::HapticLog& log) {
   for (const haptics::ServoSample& s : log.samples) {
     touching += s.touching || s.touching_ball;
     faults += (s.guard_status & haptics::guard_status::fault) != 0;
-    warm += (s.guard_status & haptics::guard_status::warm) != 0;
+    warm += (s.guard_status & haptics::guard_status::thermally_limited) != 0;
     most = std::max(most, s.force.norm());
   }
   const auto seconds = [&](std::size_t ticks) { return double(ticks) / log.rate; };

@@ -1,4 +1,6 @@
-// `intaglio render`: a scene into a video with sound, its logs and its report, offline and deterministic.
+// `intaglio render`: a scene into a video with sound, its logs and its report, offline and deterministic. A
+// software driver draws with threads of its own, whatever `threads` says: LP_NUM_THREADS sets llvmpipe's, and
+// is read when the process makes its first context.
 #pragma once
 
 #include <atomic>

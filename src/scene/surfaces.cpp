@@ -9,6 +9,7 @@
 #include "core/text.h"
 #include "intaglio/error.h"
 #include "intaglio/representation.h"
+#include "mesh/api.h"
 #include "mesh/mesh_file.h"
 #include "mesh/triangle_mesh.h"
 #include "surface/import.h"
@@ -65,7 +66,7 @@ Result<SceneSurface> build_surface(const SurfaceSettings& from) {
   if (from.base) {
     auto made = make_base(*from.base, {from.position, rotation_of(from.rotation)});
     if (!made) return tl::unexpected(with_where(from.base->line, made.error()));
-    measured.size = texture_size(made->mesh());
+    measured.size = surface::texture_size(made->mesh());
     base = std::move(*made);
   }
   auto out = build_flat(measured);
@@ -162,26 +163,6 @@ Result<surface::MeshPlacement> make_base(const BaseSettings& base, const Pose& p
   for (Vec2& uv : mesh->uvs) uv = uv.cwiseProduct(base.repeat);
   return surface::MeshPlacement::make(surface::moved(std::move(*mesh), pose),
                                       base.file.empty() ? "base" : base.file);
-}
-
-Vec2 texture_size(const surface::TriangleMesh& mesh) {
-  Vec2 sum = Vec2::Zero();
-  double total_area = 0;
-  for (const surface::Triangle& t : mesh.triangles) {
-    const auto at = [&](int k) { return std::size_t(t[std::size_t(k)]); };
-    const Vec3 ab = mesh.positions[at(1)] - mesh.positions[at(0)],
-               ac = mesh.positions[at(2)] - mesh.positions[at(0)];
-    // On a triangle (u, v) -> p is linear: ab = du1 p_u + dv1 p_v, ac = du2 p_u + dv2 p_v; by Cramer's rule
-    //   p_u = (dv2 ab - dv1 ac) / det,   p_v = (du1 ac - du2 ab) / det,   det = du1 dv2 - dv1 du2,
-    // and |p_u|, |p_v| are metres per texture period.
-    const Vec2 u = mesh.uvs[at(1)] - mesh.uvs[at(0)], v = mesh.uvs[at(2)] - mesh.uvs[at(0)];
-    const double det = u.x() * v.y() - u.y() * v.x(), area = ab.cross(ac).norm();
-    if (std::abs(det) < 1e-12) continue;
-    const Vec3 along_u = (v.y() * ab - u.y() * ac) / det, along_v = (u.x() * ac - v.x() * ab) / det;
-    sum += area * Vec2(along_u.norm(), along_v.norm());
-    total_area += area;
-  }
-  return total_area > 0 ? Vec2((sum / total_area).cwiseMax(1e-3)) : Vec2::Ones();
 }
 
 namespace {

@@ -37,9 +37,6 @@ Result<SceneSurface> make_surface(const Scene& scene);
 // borders. A mesh file is taken as it is.
 Result<surface::MeshPlacement> make_base(const BaseSettings& base, const Pose& pose);
 
-// Mean size of one texture period along u and v, over the base's area, m.
-Vec2 texture_size(const surface::TriangleMesh& mesh);
-
 // Texels of a curved relief that a ball of `radius` metres covers: those under the spherical cap whose height
 // is the relief's depth d. A cap of a sphere of radius R has area 2 pi R d (Archimedes); the base's curvature
 // is ignored, so in a bowl of radius B the area is larger by 1 / (1 - R / B). 0 for rectangles, whose contact

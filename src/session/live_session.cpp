@@ -6,7 +6,6 @@
 #include <cmath>
 #include <thread>
 
-#include "core/clock.h"
 #include "intaglio/representation.h"
 #include "intaglio/vec.h"
 #include "session/recording.h"

@@ -158,7 +158,7 @@ class LiveSession {
   bool is_free(BodyId id) const { return loop_.world().is_free(id); }
   haptics::ServoLoop& servo() { return *servo_; }
   // How late physics steps began.
-  const haptics::Lateness& lateness() const { return lateness_; }
+  const haptics::LatencyHistogram& lateness() const { return lateness_; }
   std::optional<sound::LiveStatus> sound_status();
   bool has_sound() const { return sound_.load() != nullptr; }
   // The error of the sound, once; empty when there is none.
@@ -198,7 +198,7 @@ class LiveSession {
   Latest<LiveState> state_;
   LiveState now_;
   std::uint64_t singles_done_ = 0, resets_done_ = 0;
-  haptics::Lateness lateness_;
+  haptics::LatencyHistogram lateness_;
 };
 
 }  // namespace intaglio::session

@@ -49,7 +49,7 @@ PenLink::PenLink(const scene::Scene& scene, const scene::SceneSurface& surface, 
       options_(pen_options(scene, surface.material)) {
   options_.representation = felt;
   for (const scene::BallSettings& ball : scene.balls)
-    if (ball_radii_.size() < haptics::most_balls) ball_radii_.push_back(ball.radius);
+    if (ball_radii_.size() < haptics::max_balls) ball_radii_.push_back(ball.radius);
   pushed_.assign(ball_radii_.size(), Vec3::Zero());
   grounds_.push_back({floor_body, surface.surface, std::nullopt, scene.surface.thickness});
   if (surface.grounds.empty() || options_.method == haptics::HapticMethod::plane) return;

@@ -148,8 +148,8 @@ class Surface {
   // Both at a footprint: the diameter in metres over which the surface is averaged; up to one texel there is
   // nothing to average. Between two mip levels they are blended in proportion. `sample` at footprint 0 is
   // depth, normal and gradient above; its slope is limited to steepest_slope when averaged. `smooth` goes
-  // through the texels (Catmull-Rom bicubic) and may overshoot them by an eighth of their difference, also
-  // above the base plane.
+  // through the texels (Catmull-Rom bicubic) and may leave their range by up to 9/32 of it, also above the base
+  // plane (by an eighth along each axis, and more where the overshoots of both meet).
   Sample sample(const Vec2& uv, double footprint = 0) const;
   Smooth smooth(const Vec2& uv, double footprint = 0) const;
 

@@ -15,7 +15,7 @@ for other in 1-2 2-1; do
     cmp "$work/1-1.$kind" "$work/$other.$kind"
   done
 done
-# What the pen felt, felt again.
+# Replaying the pen's log gives the same forces.
 "$intaglio" -q replay "$work/1-1.servo.csv" --scene "$work/scene.toml" -o "$work/felt.html" | grep -q "difference of force is 0 N"
 grep -q "<svg" "$work/felt.html"
 [ "$(wc -l <"$work/1-1.events.csv")" -gt 100 ]

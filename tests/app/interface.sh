@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What users' scripts rely on is still there: everything that interface.txt lists. Additions are fine; what is missing fails, by name.
+# The interface that users' scripts rely on, listed in interface.txt, is still there. Fails with the names of missing items; additions are fine.
 #   interface.sh INTAGLIO SOURCE_DIR            compares
 #   interface.sh INTAGLIO SOURCE_DIR --print    prints today's list, to add to interface.txt what is new
 set -uo pipefail

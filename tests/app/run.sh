@@ -158,7 +158,7 @@ play pens --fresh <<SCRIPT
 8.0 quit
 SCRIPT
 check "a VRPN pen is taken, one that does not answer is said, and the mouse is the pen again" report pens \
-  "r['gl_errors'] == 0 and [m for m in r['messages'] if 'pen' in m][0].startswith('Phantom0') and any('pens.events:2' in m and 'does not answer' in m for m in r['messages']) and any('the mouse is the pen' in m for m in r['messages'])"
+  "r['gl_errors'] == 0 and [m for m in r['messages'] if 'pen:' in m][0].startswith('pen: Phantom0') and any('pens.events:2' in m and 'does not answer' in m for m in r['messages']) and any('pen: mouse' in m for m in r['messages'])"
 kill "$server"
 wait "$server" 2>/dev/null
 
@@ -191,7 +191,7 @@ SCRIPT
 check "a body that is not there and a device that has not answered are said with the script's lines" report asked \
   "any('asked.events:1: there is no body 99' in m for m in r['messages']) and any('asked.events:2: Nobody0@127.0.0.1:1' in m for m in r['messages'])"
 check "recordings into a file" refused 'dot\.png: is a file; --record-to takes a folder' "$intaglio" run --record-to "$work/dot.png"
-check "recordings below a file" refused 'dot\.png/x: would be below a file' "$intaglio" run --record-to "$work/dot.png/x"
+check "recordings below a file" refused 'dot\.png/x: has a file as parent' "$intaglio" run --record-to "$work/dot.png/x"
 check "no such sound card" refused 'nobody' "$intaglio" run --audio nobody
 check "no such pen" refused 'Nobody' "$intaglio" run --audio null --device Nobody0@127.0.0.1:1
 check "a texture that is not there" refused 'none\.png' "$intaglio" run --audio null --surface "$work/none.png" --fresh

@@ -23,7 +23,7 @@ cmp "$work/a.wav" "$work/b.wav" # deterministic
 ! cmp -s "$work/a.wav" "$work/c.wav"
 [ "$(size "$work/a.wav")" -gt 10000 ]
 "$intaglio" sound strike "$work/box.modes" --live --device null | grep -q "underruns"
-fails 'nowhere to play' "$intaglio" sound strike "$work/box.modes"
+fails 'no output given' "$intaglio" sound strike "$work/box.modes"
 fails 'no such file' "$intaglio" sound strike "$work/none.modes" -o "$work/x.wav"
 fails 'has no vertex' "$intaglio" sound strike "$work/box.modes" --vertex 1000000 -o "$work/x.wav"
 fails 'did you mean "steel"' "$intaglio" sound strike "$work/box.modes" --mallet steal -o "$work/x.wav"

@@ -2,6 +2,7 @@
 // that their bits are what they were when this was written, whatever processor, compiler and library this is.
 #include <doctest/doctest.h>
 
+#include <bit>
 #include <cmath>
 #include <complex>
 #include <functional>

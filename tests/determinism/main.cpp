@@ -48,7 +48,7 @@ Hashes read(const std::string& file) {
   return out;
 }
 
-// What no sense asks any more.
+// Functions of the C library that no sense calls any more.
 int libm() {
   Hash doubles;
   Random random(1);
@@ -85,7 +85,7 @@ int all_kernels(const std::vector<Sense>& senses) {
 }
 
 int in_threads(const std::vector<Sense>& senses, int count) {
-  std::vector<std::string> out(static_cast<std::size_t>(count));
+  std::vector<std::string> out(std::size_t(count));
   std::vector<std::thread> threads;
   for (std::string& all : out)
     threads.emplace_back([&] {

@@ -31,7 +31,7 @@ T demand(Result<T> result) {
 constexpr double depth = 0.02;  // m
 
 std::shared_ptr<const sound::ModalModel> model(int seed, double lowest, double mass) {
-  Random random(static_cast<std::uint64_t>(seed));
+  Random random(std::uint64_t(seed));
   auto out = std::make_shared<sound::ModalModel>();
   out->name = "made by hand";
   out->material = demand(find_material("brick"));
@@ -50,7 +50,7 @@ std::shared_ptr<const sound::ModalModel> model(int seed, double lowest, double m
   out->triangles = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2}};
   out->grid = sound::TriangleGrid(out->points, out->triangles);
   for (int k = 0; k < 4 * 3 * modes; ++k)
-    out->shapes.push_back(static_cast<float>(random.uniform(-1, 1) / std::sqrt(mass)));
+    out->shapes.push_back(float(random.uniform(-1, 1) / std::sqrt(mass)));
   return out;
 }
 
@@ -60,7 +60,7 @@ void add(Hash& hash, const ContactEvent& e) {
   hash.add(e.time);
   hash.add(e.body);
   hash.add(e.other);
-  hash.add(static_cast<std::uint8_t>(e.phase));
+  hash.add(std::uint8_t(e.phase));
   hash.add(e.texture);
   hash.add(e.duration);
   hash.add(std::isnan(e.touch_age) ? -1 : e.touch_age);
@@ -94,7 +94,7 @@ surface::Texels imported(const std::string& material) {
   for (int y = 0; y < normal.height; ++y) {
     for (int x = 0; x < normal.width; ++x) {
       for (int c = 0; c < 3; ++c) normal.at(x, y, c) = whole.at(x, y, c);
-      height.at(x, y, 0) = static_cast<std::uint16_t>(65535 - whole.at(x, y, 3));
+      height.at(x, y, 0) = std::uint16_t(65535 - whole.at(x, y, 3));
     }
   }
   std::string folder = (std::filesystem::temp_directory_path() / "intaglio_determinism_XXXXXX").string();

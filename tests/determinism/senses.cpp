@@ -111,7 +111,7 @@ Outcome forces() {
       if (moves) {
         scene.textured.velocity = {0.01, 0, 0.02};
         scene.textured.angular_velocity = {0.1, 0.5, -0.2};
-        scene.textured.pose = scene.textured.after(scene.time);
+        scene.textured.pose = scene.textured.extrapolated(scene.time);
         scene.balls[0] = {{0.02, 0.01, 0.01}, {-0.02, 0, 0}, 0.015};
         scene.ball_count = 1;
       }
@@ -145,11 +145,11 @@ std::vector<float> heard(const std::shared_ptr<const surface::Surface>& surface,
   options.meso = meso;
   options.max_modes = 320;  // so that some are faded out
   sound::Synthesizer synthesizer(options, sounding(surface, bodies));
-  std::vector<float> out(2 * static_cast<std::size_t>(seconds * options.sample_rate));
+  std::vector<float> out(2 * std::size_t(seconds * options.sample_rate));
   for (const ContactEvent& event : events) synthesizer.push(event);
   constexpr std::size_t cut = 2 * 441;
   for (std::size_t k = 0; k < out.size(); k += cut) {
-    const double angle = 1e-5 * static_cast<double>(k);
+    const double angle = 1e-5 * double(k);
     synthesizer.set_listener({{elementary::cos(angle), 0.5, elementary::sin(angle)}, Vec3::UnitX()});
     synthesizer.render_stereo(std::span(out).subspan(k, std::min(cut, out.size() - k)));
   }
@@ -158,14 +158,14 @@ std::vector<float> heard(const std::shared_ptr<const surface::Surface>& surface,
 
 void keep(Outcome& out, Hash& hash, std::vector<float> samples) {
   hash.add(std::span<const float>(samples));
-  for (const float x : samples) out.numbers.push_back(static_cast<double>(x));
+  for (const float x : samples) out.numbers.push_back(double(x));
   // Loud, so that the limiter has something to do.
   sound::to_full_scale(samples, samples, {20});
   hash.add(std::span<const float>(samples));
 }
 
-// Bodies that land, scrape and roll, as no engine told it.
-std::vector<ContactEvent> told(int bodies) {
+// Made-up events of bodies that land, scrape and roll.
+std::vector<ContactEvent> made_up_events(int bodies) {
   std::vector<ContactEvent> events;
   Random random(4);
   for (int k = 1; k < 700; ++k) {
@@ -196,7 +196,7 @@ Outcome audio() {
   Outcome out;
   Hash hash;
   const auto surface = floor("brick");
-  const std::vector<ContactEvent> events = told(4);
+  const std::vector<ContactEvent> events = made_up_events(4);
   for (const auto meso :
        {sound::MesoSource::engine_impulses, sound::MesoSource::normal_map, sound::MesoSource::height})
     keep(out, hash, heard(surface, 4, events, meso, 1.5));
@@ -206,7 +206,7 @@ Outcome audio() {
 std::vector<ContactEvent> events_of(dynamics::World& world, double seconds,
                                     const std::function<void(int)>& before = {}) {
   std::vector<ContactEvent> out;
-  for (int k = 0; k < static_cast<int>(480 * seconds); ++k) {
+  for (int k = 0; k < int(480 * seconds); ++k) {
     if (before) before(k);
     world.step();
     out.insert(out.end(), world.events().begin(), world.events().end());
@@ -227,7 +227,7 @@ void throw_in(dynamics::World& world, int count, double spread) {
   const std::vector<NamedShape> all = shapes();
   for (int k = 0; k < count; ++k) {
     dynamics::ShapeBody body;
-    body.shape = all[static_cast<std::size_t>(k) % all.size()].shape;
+    body.shape = all[std::size_t(k) % all.size()].shape;
     body.material = material();
     body.pose = {{random.uniform(-spread, spread), 0.1 + 0.06 * k, random.uniform(-spread, spread)},
                  any_turn(random)};

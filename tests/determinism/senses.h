@@ -1,5 +1,5 @@
-// What every sense computes, on the same inputs everywhere, as one hash a sense: small scenes that go through
-// all that enters an event, a force or a sample. No baker, no window, no picture.
+// Results of every sense for the same inputs everywhere, as one hash a sense: small scenes that exercise
+// everything that enters an event, a force or a sample. No baker, no window, no picture.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +11,14 @@ namespace intaglio::determinism {
 
 struct Outcome {
   std::uint64_t hash = 0;
-  std::vector<double> numbers;  // what can be compared with a tolerance where hashes differ
+  std::vector<double> numbers;  // for comparison with a tolerance where hashes differ
 };
 
 struct Sense {
   std::string name;
   std::string about;
   std::function<Outcome()> run;
-  bool asks_bullet = false;  // through libbullet, whose own arithmetic it then is
+  bool asks_bullet = false;  // uses libbullet's own arithmetic
 };
 
 std::vector<Sense> senses();

@@ -11,8 +11,8 @@
 
 namespace intaglio::tests {
 
-// A path that ends where it began: slide pressed in, lift, return in the air, press; or a wandering loop in
-// and out of the surface. Steps of at most `step` metres. Frame of the surface's placement.
+// A closed path, either a pressed slide, a lift, a return in the air and a press, or a loop that wanders in
+// and out of the surface. Steps of at most `step` metres; frame of the surface's placement.
 inline std::vector<Vec3> closed_loop(const surface::Surface& s, Random& random, double step) {
   const surface::Placement& place = s.placement();
   const auto on = [&](double x, double y, double above) -> Vec3 {
@@ -37,14 +37,14 @@ inline std::vector<Vec3> closed_loop(const surface::Surface& s, Random& random, 
   for (std::size_t k = 0; k < corners.size(); ++k) {
     const Vec3& from = corners[k];
     const Vec3 along = corners[(k + 1) % corners.size()] - from;
-    const int steps = 1 + static_cast<int>(along.norm() / step);
+    const int steps = 1 + int(along.norm() / step);
     for (int n = 0; n < steps; ++n) path.push_back(place.to_world(from + along * n / steps));
   }
   path.push_back(path.front());
   return path;
 }
 
-// The same path in steps `times` as fine.
+// The same path with each step divided into `times`.
 inline std::vector<Vec3> refined(const std::vector<Vec3>& path, int times) {
   std::vector<Vec3> out;
   for (std::size_t k = 1; k < path.size(); ++k) {
@@ -54,8 +54,8 @@ inline std::vector<Vec3> refined(const std::vector<Vec3>& path, int times) {
   return out;
 }
 
-// Work on the hand, J, once round `path` at `speed`; `force(x, v, dt)` may remember. The path is gone round
-// twice and the second time counts: what remembers has settled.
+// Work on the hand, J, of one round of `path` at `speed`. `force(x, v, dt)` may have state: the second of two
+// rounds counts.
 inline double work_round(const std::vector<Vec3>& path, double speed,
                          const std::function<Vec3(const Vec3&, const Vec3&, double)>& force) {
   double work = 0;

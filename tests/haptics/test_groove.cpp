@@ -30,8 +30,7 @@ struct Buzz {
   double over_static = 0;  // peak force over its mean while resting
 };
 
-// A hand of 0.08 kg lets the tip down on a wall of the groove and presses into it, a little beside the
-// middle.
+// A hand of 0.08 kg lowers the tip onto a wall of the groove and presses into it, slightly off the middle.
 Buzz press(const std::shared_ptr<const surface::Surface>& s, double depth, HapticMethod method, double rate,
            const Hand& hand) {
   ServoOptions options;
@@ -47,8 +46,8 @@ Buzz press(const std::shared_ptr<const surface::Surface>& s, double depth, Hapti
   PenServo servo(s, options);
   double sum = 0, mean = 0, peak = 0;
   int n = 0;
-  const int substeps = static_cast<int>(16000 / rate);
-  for (int k = 0; k < static_cast<int>(4 * rate); ++k) {
+  const int substeps = int(16000 / rate);
+  for (int k = 0; k < int(4 * rate); ++k) {
     const ServoSample sample = servo.tick(device);
     for (int m = 0; m < substeps; ++m) {
       const double before = device.position().x();
@@ -65,7 +64,7 @@ Buzz press(const std::shared_ptr<const surface::Surface>& s, double depth, Hapti
 
 }  // namespace
 
-TEST_CASE("in a V-groove the tip rests, whatever damping the hand has; on the paper's planes it does not") {
+TEST_CASE("in a V-groove the tip rests at any damping of the hand; on the paper's planes it buzzes") {
   for (const double degrees : {30.0, 45.0}) {
     const auto s = groove(degrees);
     for (const double rate : {1000.0, 4000.0}) {

@@ -16,7 +16,7 @@ using namespace intaglio::haptics;
 static_assert(!std::is_constructible_v<GuardedForce, Vec3>, "only a Guard makes a force that a device takes");
 static_assert(!std::is_default_constructible_v<GuardedForce>);
 
-TEST_CASE("whatever is asked for, the device gets a finite force within the peak and the slew rate") {
+TEST_CASE("for any requested force the device gets a finite one within the peak and the slew rate") {
   CHECK(rc::check("limits", [] {
     Guard guard{{}};
     Vec3 last = Vec3::Zero();
@@ -68,7 +68,7 @@ GuardInput healthy(double time, const Vec3& force = {0, 2, 0}) {
   return input;
 }
 
-// Numbers that servo code gets wrong, now and then.
+// A number that servo code sometimes gets wrong.
 double nasty(Random& random, double usual) {
   switch (random.next() % 100000) {
     case 0:
@@ -91,7 +91,7 @@ Vec3 nasty(Random& random, const Vec3& usual) {
 }  // namespace
 
 TEST_CASE(
-    "adversarial ticks: never over the limits, never over the slew but for the fall to zero on a fault") {
+    "adversarial ticks stay within the limits, and exceed the slew rate only to drop to zero on a fault") {
   const int ticks = tests::poses(1000000, 10000000);
   GuardLimits limits;
   limits.peak_torque = 0.5;
@@ -109,7 +109,7 @@ TEST_CASE(
     time += dt;
     GuardInput input = healthy(nasty(random, time));
     if (!std::isfinite(input.time)) input.time = time;
-    // A normal 80 degrees off, stiff springs, a jump of the tip; whatever is wanted changes every tick.
+    // A normal 80 degrees off, stiff springs, a jump of the tip; the request changes every tick.
     const double press = random.uniform(0, 40);
     input.wanted.force = nasty(random, Vec3(press * 5.67, press, random.normal()));
     if (random.next() % 3 == 0) input.wanted.force = -input.wanted.force;
@@ -145,7 +145,7 @@ TEST_CASE(
   CHECK(strong > ticks / 10);
 }
 
-TEST_CASE("each cause of a fault is named, zero comes at once, and stays until rearmed") {
+TEST_CASE("each cause of a fault is named; the force is zero at once and until rearmed") {
   using namespace guard_status;
   const struct {
     std::uint32_t reason;
@@ -177,7 +177,7 @@ TEST_CASE("each cause of a fault is named, zero comes at once, and stays until r
   }
 }
 
-TEST_CASE("a hand over the velocity limit gets no force, and a new ramp-in when it is slow again") {
+TEST_CASE("a hand over the velocity limit gets no force, and a new ramp-in once it is slow again") {
   Guard guard{{}};
   double time = 0;
   for (int k = 0; k < 600; ++k) guard.pass(healthy(time += 0.001));
@@ -189,7 +189,7 @@ TEST_CASE("a hand over the velocity limit gets no force, and a new ramp-in when 
     force = guard.pass(input).newtons();
   }
   CHECK(force == Vec3::Zero());
-  CHECK((guard.status() & guard_status::too_fast) != 0);
+  CHECK((guard.status() & guard_status::hand_too_fast) != 0);
   CHECK((guard.status() & guard_status::fault) == 0);
   for (int k = 0; k < 250; ++k) {
     GuardInput slow = healthy(time += 0.001);
@@ -199,7 +199,7 @@ TEST_CASE("a hand over the velocity limit gets no force, and a new ramp-in when 
   CHECK(force.y() == doctest::Approx(1).epsilon(0.02));
 }
 
-TEST_CASE("in the long run the force is at most the continuous one; for a while it may be the peak") {
+TEST_CASE("the force settles at the continuous limit, and may reach the peak for a while") {
   Guard guard{{}};
   double time = 0, square = 0, at_peak = 0, force = 0;
   constexpr int ticks = 300000;
@@ -215,7 +215,7 @@ TEST_CASE("in the long run the force is at most the continuous one; for a while 
   CHECK(at_peak > 0.1);
 }
 
-TEST_CASE("a ramp-in shorter than half a second is not to be had") {
+TEST_CASE("the ramp-in is never shorter than half a second") {
   GuardLimits limits;
   limits.ramp_in = 0;
   Guard guard(limits);

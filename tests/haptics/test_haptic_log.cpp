@@ -45,7 +45,7 @@ TEST_CASE("a session written, read and replayed gives the same forces to the bit
   while (!device.at_end()) most = std::max(most, servo.tick(device).force.norm());
   CHECK(device.largest_difference() == 0);
   CHECK(most > 0.5);
-  // On another texture it is not the same.
+  // Another texture gives other forces.
   const auto other = tests::brick_surface(64, 0.16);
   CHECK(fingerprint(*other) != log->surface);
   ReplayDevice again(log->samples);
@@ -54,7 +54,7 @@ TEST_CASE("a session written, read and replayed gives the same forces to the bit
   CHECK(again.largest_difference() > 0.01);
 }
 
-TEST_CASE("a log that was cut, changed or is something else is refused with its line") {
+TEST_CASE("a log that is truncated, modified or something else is rejected with its line") {
   const auto s = tests::brick_surface(32, 0.16);
   auto samples = recorded(s, {});
   samples.resize(20);

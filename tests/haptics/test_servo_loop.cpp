@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "haptics/servo_loop.h"
-#include "tests/haptics/null_device.h"
 #include "tests/surface/brick_surface.h"
 
 using namespace intaglio;
@@ -20,7 +19,7 @@ std::shared_ptr<const surface::Surface> flat() {
       8, [](Vec2) { return 0.0; }, [](Vec2) { return Vec3::UnitZ(); });
 }
 
-// Held 2 mm deep; keeps what was written and when. Read it when the loop has stopped.
+// Held 2 mm deep; records the forces written. Read them when the loop has stopped.
 class Held : public Device {
  public:
   Held() { forces_.reserve(1 << 16); }
@@ -38,11 +37,18 @@ class Held : public Device {
   std::vector<Written> forces_;
 };
 
+// At rest in the middle of its workspace.
+class NullDevice : public Device {
+ public:
+  Vec3 read() override { return Vec3::Zero(); }
+  void write(const GuardedForce&) override {}
+};
+
 void pause(double seconds) {
   std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
-// Publishes every 5 ms for `seconds`, rearming what a busy machine has tripped.
+// Publishes every 5 ms for `seconds`, rearming after faults that a busy machine causes.
 double beat(ServoLoop& loop, double seconds) {
   double last = 0;
   for (const double end = loop.now() + seconds; loop.now() < end; pause(0.005)) {
@@ -55,7 +61,7 @@ double beat(ServoLoop& loop, double seconds) {
 
 }  // namespace
 
-TEST_CASE("a scene that stalls: the hand is let go of after 20 ms, within 50, and until rearmed") {
+TEST_CASE("a scene that stalls releases the hand after 20 ms, within 50 ms, until rearmed") {
   Held device;
   ServoLoop loop(PenServo(flat(), {}), device);
   device.loop = &loop;
@@ -70,12 +76,12 @@ TEST_CASE("a scene that stalls: the hand is let go of after 20 ms, within 50, an
   MESSAGE("wake-up p50 " << 1e6 * loop.wake_up().quantile(0.5) << " us, p99.9 "
                          << 1e6 * loop.wake_up().quantile(0.999) << " us; compute p50 "
                          << 1e6 * loop.compute().quantile(0.5) << " us, p99.9 "
-                         << 1e6 * loop.compute().quantile(0.999) << " us; " << loop.left_out()
+                         << 1e6 * loop.compute().quantile(0.999) << " us; " << loop.skipped_ticks()
                          << " left out");
   double strongest = 0, at_last = 0, first_zero = 0;
   for (const auto& written : device.forces()) {
     if (written.time < stalled) strongest = std::max(strongest, written.force);
-    // The tick may have begun before the 20 ms were over; what it wrote by 50 ms is zero.
+    // A tick may have begun before the 20 ms were over; every force written after 50 ms is zero.
     if (written.time > stalled + 0.05 && written.time < stalled + 0.15) at_last += std::abs(written.force);
     if (written.time > stalled && written.force == 0 && first_zero == 0) first_zero = written.time;
   }
@@ -84,12 +90,12 @@ TEST_CASE("a scene that stalls: the hand is let go of after 20 ms, within 50, an
   CHECK(at_last == 0);
   CHECK(first_zero > stalled);
   CHECK(again > stalled);
-  CHECK(device.forces().back().force == 0);  // stop() lets go
+  CHECK(device.forces().back().force == 0);  // stop() releases the hand
   CHECK(std::any_of(device.forces().begin(), device.forces().end(),
                     [&](const auto& w) { return w.time > stalled + 0.2 && w.force > 0.3; }));
 }
 
-TEST_CASE("the loop reports what it did; a device that is not there feels nothing") {
+TEST_CASE("the loop reports every tick; a null device feels nothing") {
   NullDevice device;
   ServoOptions options;
   options.rate = 4000;
@@ -112,13 +118,13 @@ TEST_CASE("the loop reports what it did; a device that is not there feels nothin
   CHECK(loop.wake_up().count() >= report.ticks);
 }
 
-TEST_CASE("quantiles of a histogram are within its buckets") {
-  Lateness lateness;
+TEST_CASE("the quantiles of a histogram are within its buckets") {
+  LatencyHistogram lateness;
   for (int k = 1; k <= 1000; ++k) lateness.add(k * 1e-6);
   CHECK(lateness.count() == 1000);
   for (const double q : {0.1, 0.5, 0.99}) {
     CHECK(lateness.quantile(q) >= q * 1e-3);
     CHECK(lateness.quantile(q) <= q * 1e-3 * 1.2);
   }
-  CHECK(lateness.most() == doctest::Approx(1e-3));
+  CHECK(lateness.max() == doctest::Approx(1e-3));
 }

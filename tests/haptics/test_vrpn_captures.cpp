@@ -1,20 +1,59 @@
-// Real sessions, as the project keeps them outside its tree: every message decodes, and encodes to the same
-// bytes.
+// Captured sessions of real VRPN programs, which the project keeps outside its tree: every message decodes
+// and encodes to the same bytes, and our client and server understand them over real sockets.
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <fstream>
 #include <map>
 #include <string>
 
 #include "haptics/vrpn/message.h"
-#include "tests/haptics/vrpn_capture.h"
+#include "tests/haptics/vrpn_peers.h"
 #include "tests/haptics/vrpn_reencode.h"
 #include "tests/skipped.h"
+#include "tests/source_folder.h"
 
 using namespace intaglio;
+using namespace intaglio::haptics;
 using namespace intaglio::haptics::vrpn;
 
 namespace {
+
+struct Chunk {
+  std::string from, channel;
+  Bytes bytes;
+};
+
+// The value of a key in a line of a capture; no value there contains a quote or an escape.
+std::string value_of(const std::string& line, const std::string& key) {
+  const std::size_t at = line.find("\"" + key + "\": \"");
+  if (at == std::string::npos) return {};
+  const std::size_t start = at + key.size() + 5;
+  return line.substr(start, line.find('"', start) - start);
+}
+
+// Empty where the captures are absent.
+std::vector<Chunk> read_capture(const std::string& name) {
+  std::ifstream file(std::string(tests::shared_folder) + "/vrpn/captures/" + name);
+  std::vector<Chunk> chunks;
+  for (std::string line; std::getline(file, line);) {
+    Chunk chunk{value_of(line, "from"), value_of(line, "channel"), {}};
+    const std::string hex = value_of(line, "hex");
+    for (std::size_t k = 0; k + 1 < hex.size(); k += 2)
+      chunk.bytes.push_back(std::uint8_t(std::stoi(hex.substr(k, 2), nullptr, 16)));
+    chunks.push_back(std::move(chunk));
+  }
+  return chunks;
+}
+
+// Everything that one side sent by TCP.
+Bytes stream_of(const std::string& capture, std::string_view side) {
+  Bytes stream;
+  for (const Chunk& chunk : read_capture(capture))
+    if (chunk.from == side && chunk.channel == "tcp")
+      stream.insert(stream.end(), chunk.bytes.begin(), chunk.bytes.end());
+  return stream;
+}
 
 // One direction of a session.
 struct Side {
@@ -37,7 +76,7 @@ void Side::check(const Message& message) {
       CHECK(names.learn_sender(message.sender, *decode_name(message.payload)));
     if (message.type == type_description)
       CHECK(names.learn_type(message.sender, *decode_name(message.payload)));
-    if (message.type == udp_description) CHECK(sound_port(message.sender));
+    if (message.type == udp_description) CHECK(is_valid_port(message.sender));
   } else {
     CHECK_FALSE(names.sender(message.sender).empty());
     const auto type = names.type(message.type);
@@ -53,7 +92,7 @@ void Side::check(const Message& message) {
   // Header and payload as a whole; padding is not defined.
   Bytes whole;
   append_message(whole, message);
-  const auto size = static_cast<std::ptrdiff_t>(header_size + message.payload.size());
+  const auto size = std::ptrdiff_t(header_size + message.payload.size());
   CHECK(std::equal(whole.begin(), whole.begin() + size, message.payload.data() - header_size));
 }
 
@@ -112,7 +151,7 @@ TEST_CASE("every message of the captured sessions decodes, and encodes to the sa
   }
 }
 
-TEST_CASE("however the network cuts a captured stream, the messages are the same") {
+TEST_CASE("a captured stream gives the same messages however the network cuts it") {
   const Bytes stream = stream_of("phantom-plane-session-tcp.jsonl", "server");
   if (stream.empty()) {
     tests::skipped("no captures in ../shared/vrpn/captures");
@@ -123,9 +162,82 @@ TEST_CASE("however the network cuts a captured stream, the messages are the same
   for (const std::size_t piece : {1u, 7u, 24u, 1000u}) {
     Side cut;
     for (std::size_t at = 0; at < stream.size(); at += piece)
-      cut.feed({stream.begin() + static_cast<std::ptrdiff_t>(at),
-                stream.begin() + static_cast<std::ptrdiff_t>(std::min(at + piece, stream.size()))});
+      cut.feed({stream.begin() + std::ptrdiff_t(at),
+                stream.begin() + std::ptrdiff_t(std::min(at + piece, stream.size()))});
     CHECK(cut.messages == whole.messages);
     CHECK(cut.count == whole.count);
+  }
+}
+
+TEST_CASE("our client understands a captured server") {
+  struct Expected {
+    std::string file, name;
+    int poses, forces;
+  };
+  for (const Expected& expected : {Expected{"phantom-session-udp-request.jsonl", "Tracker0", 149, 149},
+                                   Expected{"phantom-plane-session-tcp.jsonl", "Tracker0", 51, 72},
+                                   Expected{"stock-server-tcp.jsonl", "Spin0", 279, 0}}) {
+    CAPTURE(expected.file);
+    const Bytes stream = stream_of(expected.file, "server");
+    if (stream.empty()) {
+      tests::skipped("no captures in ../shared/vrpn/captures");
+      continue;
+    }
+    const Socket listener = std::move(*listen_tcp({loopback_host, 0}));
+    std::atomic<bool> over{false};
+    std::thread server([&] {
+      std::optional<Accepted> call;
+      if (!eventually([&] { return (call = accept_tcp(listener)).has_value(); })) return;
+      std::size_t at = 0;
+      eventually([&] {
+        const ssize_t size = ::send(call->socket.fd(), stream.data() + at, stream.size() - at, MSG_NOSIGNAL);
+        if (size > 0) at += std::size_t(size);
+        return at == stream.size();
+      });
+      eventually([&] { return over.load(); });
+    });
+    auto client = Client::connect({expected.name, "127.0.0.1", local_address(listener).port, true});
+    REQUIRE(client);
+    int poses = 0, forces = 0;
+    const auto hear = [&](const Received& received) {
+      if (received.type == Type::pos_quat) poses += decode_pos_quat(received.payload).has_value();
+      if (received.type == Type::force) forces += decode_force(received.payload).has_value();
+      return true;
+    };
+    CHECK(eventually([&] {
+      (*client)->step(std::chrono::milliseconds(1), hear);
+      return poses >= expected.poses && forces >= expected.forces;
+    }));
+    over = true;
+    server.join();
+    CHECK(poses == expected.poses);
+    CHECK(forces == expected.forces);
+    CHECK((*client)->connection().bad_frames() == 0);
+    // The capture includes pongs to Tracker0 only.
+    CHECK(((*client)->ping_age().count() == 0) == (expected.name == "Tracker0"));
+  }
+}
+
+TEST_CASE("our server obeys a captured client") {
+  struct Expected {
+    std::string file;
+    int forces;
+  };
+  for (const Expected& expected :
+       {Expected{"phantom-session-udp-request.jsonl", 0}, Expected{"phantom-plane-session-tcp.jsonl", 22},
+        Expected{"stock-server-tcp.jsonl", 0}}) {
+    CAPTURE(expected.file);
+    const Bytes stream = stream_of(expected.file, "client");
+    if (stream.empty()) {
+      tests::skipped("no captures in ../shared/vrpn/captures");
+      continue;
+    }
+    ServerOptions options;
+    options.name = "Tracker0";
+    RunningServer server(options);
+    RawPeer peer(server.port);
+    REQUIRE(peer.write(stream));
+    CHECK(peer.kept());
+    CHECK(server.ask([](Server& s) { return s.force_messages(); }) == expected.forces);
   }
 }

@@ -1,5 +1,5 @@
-// A million broken frames: into the framer and every decoder, and over a real socket into a running server. A
-// tenth by default, all with INTAGLIO_SLOW=1.
+// A million broken frames: into the framer and every decoder, and over a real socket into a running server.
+// Fewer by default, all with INTAGLIO_SLOW=1.
 #include <doctest/doctest.h>
 
 #include <cstdlib>
@@ -21,19 +21,19 @@ int sampled(int whole, int fraction) {
   return std::getenv("INTAGLIO_SLOW") ? whole : whole / fraction;
 }
 
-// One frame of a random type, sound as a rule, then a few bytes of it changed, doubled or cut off.
+// A frame of a random type, usually valid, with a few bytes changed or cut off.
 Bytes broken_frame(Twister& random) {
-  const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
+  const auto below = [&](std::size_t n) { return std::size_t(random() % n); };
   Bytes payload(below(4) == 0 ? below(200)
                               : std::array<std::size_t, 8>{0, 4, 8, 12, 24, 40, 56, 64}[below(8)]);
-  for (std::uint8_t& byte : payload) byte = below(3) == 0 ? static_cast<std::uint8_t>(random()) : 0;
-  const auto type = static_cast<std::int32_t>(below(type_names.size() + 6)) - 5;
+  for (std::uint8_t& byte : payload) byte = below(3) == 0 ? std::uint8_t(random()) : 0;
+  const auto type = std::int32_t(below(type_names.size() + 6)) - 5;
   if (type < 0 && below(2) == 0) {
     payload.clear();
     encode_name(payload, type_names[below(type_names.size())]);
   }
   Bytes frame;
-  append_message(frame, {{}, static_cast<std::int32_t>(below(3)), type, 0, payload});
+  append_message(frame, {{}, std::int32_t(below(3)), type, 0, payload});
   static constexpr std::uint8_t nasty[] = {0x00, 0x01, 0x7f, 0x80, 0xff, 0x18, 0xfa};
   for (std::size_t changes = below(4); changes > 0; --changes)
     frame[below(2) == 0 ? below(24) : below(frame.size())] = nasty[below(sizeof nasty)];
@@ -41,7 +41,7 @@ Bytes broken_frame(Twister& random) {
   return frame;
 }
 
-// What must hold for any message whatever.
+// Checks invariants of any message.
 void check(const Message& message, PeerNames& names) {
   if (message.payload.size() > message_limit - header_size) std::abort();
   if (message.type < 0) {
@@ -49,28 +49,28 @@ void check(const Message& message, PeerNames& names) {
     if (name && message.type == sender_description) names.learn_sender(message.sender, *name);
     if (name && message.type == type_description) names.learn_type(message.sender, *name);
     decode_udp_host(message.payload);
-    sound_log_description(message.payload);
+    is_valid_log_description(message.payload);
     return;
   }
   names.sender(message.sender);
   names.type(message.type);
   for (std::size_t k = 0; k < type_names.size(); ++k) {
     const auto again = reencode(static_cast<Type>(k), message.payload);
-    // What was believed has the size of its kind, and nothing was added.
+    // A payload that decodes has the size of its type.
     if (again && again->size() != message.payload.size() && static_cast<Type>(k) != Type::text) std::abort();
   }
 }
 
 }  // namespace
 
-TEST_CASE("broken frames: the framer and the decoders neither crash nor take what cannot be") {
+TEST_CASE("broken frames neither crash the framer and the decoders nor decode to impossible values") {
   Twister random(1);
   const int frames = sampled(1000000, 10);
   Framer framer;
   PeerNames names;
   int messages = 0, bad_lengths = 0;
   for (int k = 0; k < frames; ++k) {
-    // A length that is believed may swallow what follows: a new stream now and then.
+    // A wrong but valid length may swallow the frames after it: start a new stream now and then.
     if (k % 8 == 0) {
       bad_lengths += framer.bad_frames();
       framer = Framer();
@@ -88,7 +88,7 @@ TEST_CASE("broken frames: the framer and the decoders neither crash nor take wha
 }
 
 TEST_CASE(
-    "broken frames to a running server: peers are dropped, a sound client goes on, the force stays in bounds") {
+    "a running server drops peers that send broken frames, keeps a valid client, and bounds the force") {
   Twister random(2);
   const int frames = sampled(1000000, 50);
   RunningServer server;
@@ -107,7 +107,7 @@ TEST_CASE(
       const Bytes frame = broken_frame(random);
       burst.insert(burst.end(), frame.begin(), frame.end());
     }
-    // The server writes too: a peer that never reads would be dropped for that.
+    // The server writes, too, and would drop a peer that never reads.
     if (!peer->write(burst) || !peer->read()) peer.reset();
     sound->step({}, [](const Received&) { return true; });
   }

@@ -1,6 +1,5 @@
-// A peer that is killed, and one that freezes: another process at the other end of a real socket; the force
-// is zero within 50 ms. Times are of a machine that may be busy with other work, so the best of a few tries
-// counts.
+// A peer in another process is killed or freezes: the force is zero within 50 ms. The machine may be busy
+// with other work, so the best of a few tries counts.
 #include <doctest/doctest.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -24,7 +23,7 @@ double ms_since(SteadyTime start) {
   return std::chrono::duration<double, std::milli>(steady_clock::now() - start).count();
 }
 
-// Another process that runs `work` until it is killed. Begun before any thread of ours.
+// Another process that runs `work` until it is killed. Forked before this process has threads.
 template <class Work>
 struct Process {
   explicit Process(Work work) {
@@ -47,7 +46,7 @@ ServerOptions on_port(int port) {
   return options;
 }
 
-// ms from the signal to the far client until the hand of our server feels nothing.
+// Milliseconds from a signal to the remote client until our server displays no force.
 double server_lets_go(int signal, bool tcp_only) {
   auto server = std::move(*Server::open(on_port(0)));
   const int port = server->port();
@@ -72,7 +71,7 @@ double server_lets_go(int signal, bool tcp_only) {
   return ms_since(start);
 }
 
-// ms from the signal to the far server until our guard lets nothing through.
+// Milliseconds from a signal to the remote server until our guard passes no force.
 double client_lets_go(int signal, bool tcp_only) {
   const int port = local_address(*listen_tcp({loopback_host, 0})).port;
   Process far([=] {
@@ -84,7 +83,7 @@ double client_lets_go(int signal, bool tcp_only) {
   REQUIRE(device.wait_for_link(test_patience));
   Guard guard{{}};
   const auto tick = [&] {
-    // A spring towards a place above the tip: of a lost link, not a number.
+    // A spring towards a point above the tip; NaN when the link is lost.
     const GuardedForce force = guard.pass(800 * (Vec3(0, 0.005, 0) - device.read()), 0.001);
     device.write(force);
     std::this_thread::sleep_for(milliseconds(1));
@@ -111,7 +110,7 @@ double best_of(int tries, Measure measure) {
 
 }  // namespace
 
-TEST_CASE("the client of a served phantom is killed or freezes: no force within 50 ms") {
+TEST_CASE("a client of a served phantom that dies or freezes leaves no force after 50 ms") {
   for (const bool tcp_only : {false, true}) {
     for (const int signal : {SIGKILL, SIGSTOP}) {
       const double ms = best_of(5, [&] { return server_lets_go(signal, tcp_only); });
@@ -121,7 +120,7 @@ TEST_CASE("the client of a served phantom is killed or freezes: no force within 
   }
 }
 
-TEST_CASE("the server of a device is killed or freezes: no force within 50 ms, and the fault latches") {
+TEST_CASE("a device whose server dies or freezes gets no force after 50 ms, and the fault latches") {
   for (const bool tcp_only : {false, true}) {
     for (const int signal : {SIGKILL, SIGSTOP}) {
       const double ms = best_of(5, [&] { return client_lets_go(signal, tcp_only); });
@@ -131,15 +130,14 @@ TEST_CASE("the server of a device is killed or freezes: no force within 50 ms, a
   }
 }
 
-TEST_CASE(
-    "in the phantom's own time: 40 ms after the last word the force is on its way down, at 50 ms it is zero") {
+TEST_CASE("the phantom's force begins to fall 40 ms after the last request, and is zero at 50 ms") {
   PhantomOptions options;
   options.path = {{0, {0, 0, 0}}};
   ServedPhantom phantom(options);
   SteadyTime now{};
   for (int k = 0; k < 1000; ++k) {
     now += milliseconds(1);
-    phantom.ask(ForceReport{{0, 7, 0}}, now);
+    phantom.request(ForceReport{{0, 7, 0}}, now);
     phantom.tick(0.001, now);
   }
   REQUIRE(phantom.state().force.norm() > 1);
@@ -147,9 +145,9 @@ TEST_CASE(
   CHECK(phantom.state().force.norm() > 1);
   for (int k = 0; k < 10; ++k) phantom.tick(0.001, now += milliseconds(1));
   CHECK(phantom.state().force.norm() == 0);
-  CHECK_FALSE(phantom.held());
+  CHECK_FALSE(phantom.is_held());
   // It ramps in anew.
-  phantom.ask(ForceReport{{0, 7, 0}}, now);
+  phantom.request(ForceReport{{0, 7, 0}}, now);
   phantom.tick(0.001, now += milliseconds(1));
   CHECK(phantom.state().force.norm() < 0.1);
 }

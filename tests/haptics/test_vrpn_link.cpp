@@ -1,5 +1,5 @@
-// Client and server over real sockets on this machine, by both transports; and what a server does with peers
-// that do not keep the rules.
+// Client and server over real sockets on this machine, by both transports; and how a server treats peers that
+// break the rules.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ using namespace intaglio::haptics::vrpn;
 
 namespace {
 
-// What a client was told.
+// Messages received by a client.
 struct Heard {
   int poses = 0, velocities = 0, forces = 0, contacts = 0, changes = 0, states = 0;
   std::string texts;
@@ -67,14 +67,14 @@ LinkFault failure(const Address& address) {
 
 }  // namespace
 
-TEST_CASE("client and server talk by both transports; by UDP request the reports come as datagrams") {
+TEST_CASE("client and server talk by both transports; by UDP request reports come as datagrams") {
   for (const bool tcp_only : {false, true}) {
     CAPTURE(tcp_only);
     RunningServer server;
     auto client = Client::connect(server.address(tcp_only));
     REQUIRE(client);
     Heard heard;
-    CHECK(listen(**client, heard, [&] { return heard.poses > 50 && (*client)->unanswered().count() == 0; }));
+    CHECK(listen(**client, heard, [&] { return heard.poses > 50 && (*client)->ping_age().count() == 0; }));
     CHECK(heard.velocities > 40);
     CHECK(heard.forces > 40);
     CHECK(heard.contacts > 40);
@@ -85,7 +85,7 @@ TEST_CASE("client and server talk by both transports; by UDP request the reports
     CHECK(connection.bad_frames() == 0);
     CHECK((connection.datagrams_received() > 20) == !tcp_only);
     CHECK(connection.peer_names().senders() == std::vector<std::string>{"VRPN Control", "Phantom0"});
-    // A force there, felt and reported back.
+    // A force that is sent is reported back.
     CHECK(listen(**client, heard, [&] {
       Bytes payload;
       encode(payload, ForceReport{{0, 1, 0}});
@@ -97,14 +97,14 @@ TEST_CASE("client and server talk by both transports; by UDP request the reports
   }
 }
 
-TEST_CASE("names of hosts lead to IPv4 addresses; what is no host is said so") {
+TEST_CASE("host names resolve to IPv4 addresses; an unknown host is unreachable") {
   RunningServer server;
   CHECK(failure({"Phantom0", "localhost", server.port, true}) == LinkFault::none);
   CHECK(failure({"Phantom0", "localhost", server.port, false}) == LinkFault::none);
   CHECK(failure({"Phantom0", "no-such-host.invalid", server.port, true}) == LinkFault::unreachable);
 }
 
-TEST_CASE("a client tells nobody there, nobody answering, and somebody else") {
+TEST_CASE("a client distinguishes no listener, no answer, and another protocol") {
   const auto free_port = [] { return local_address(*listen_tcp({loopback_host, 0})).port; };
   CHECK(failure({"Phantom0", "127.0.0.1", free_port(), true}) == LinkFault::refused);
   CHECK(failure({"Phantom0", "127.0.0.1", free_port(), false}) == LinkFault::refused);
@@ -121,12 +121,12 @@ TEST_CASE("a client tells nobody there, nobody answering, and somebody else") {
       eventually([] { return false; }, std::chrono::milliseconds(100));
     }
   });
-  // The first call there is the one that timed out above.
+  // The first connection in the queue is the one that timed out above.
   CHECK(failure(there) == LinkFault::not_vrpn);
   other.join();
 }
 
-TEST_CASE("a port that is taken is said so") {
+TEST_CASE("a server reports a port that is taken") {
   RunningServer server;
   ServerOptions options;
   options.port = server.port;
@@ -135,7 +135,7 @@ TEST_CASE("a port that is taken is said so") {
   CHECK(second.error().fault == LinkFault::port_taken);
 }
 
-TEST_CASE("three bad frames drop the peer, two do not") {
+TEST_CASE("a peer is dropped after three malformed frames, not after two") {
   Bytes nan = framed(Type::force, ForceReport{{0, std::numeric_limits<double>::quiet_NaN(), 0}});
   Bytes plane = framed(Type::plane, PlaneMessage{.a = 0, .b = 1, .index = 4});
   Bytes length;
@@ -176,7 +176,7 @@ TEST_CASE("three bad frames drop the peer, two do not") {
   }
 }
 
-TEST_CASE("an id that was never named is no fault") {
+TEST_CASE("an id that was never named is ignored") {
   RunningServer server;
   RawPeer peer(server.port);
   REQUIRE(peer.greet());
@@ -184,7 +184,7 @@ TEST_CASE("an id that was never named is no fault") {
   CHECK(peer.kept());
 }
 
-TEST_CASE("a peer without a cookie, with a wrong one, or that dawdles over a message is dropped") {
+TEST_CASE("a peer is dropped for a missing or wrong cookie, and for a message that takes too long") {
   ServerOptions options;
   options.cookie_patience = options.message_patience = std::chrono::milliseconds(150);
   RunningServer server(options);
@@ -194,7 +194,7 @@ TEST_CASE("a peer without a cookie, with a wrong one, or that dawdles over a mes
   CHECK(wrong.hung_up());
   CHECK(silent.hung_up());
   REQUIRE(dawdling.greet());
-  // A byte now and then does not help.
+  // Sending a byte now and then does not help.
   const Bytes message = framed(Type::force, ForceReport{});
   bool open = true;
   for (std::size_t k = 0; open && k < message.size() - 1; ++k) {
@@ -204,7 +204,7 @@ TEST_CASE("a peer without a cookie, with a wrong one, or that dawdles over a mes
   CHECK(sound.kept());
 }
 
-TEST_CASE("a peer that asks and never reads is dropped, and the others do not wait for it") {
+TEST_CASE("a peer that never reads is dropped, and delays no other") {
   RunningServer server;
   RawPeer peer(server.port);
   REQUIRE(peer.greet());
@@ -215,23 +215,23 @@ TEST_CASE("a peer that asks and never reads is dropped, and the others do not wa
   Bytes pings(cookie.begin(), cookie.end());
   const Bytes names = introduction();
   pings.insert(pings.end(), names.begin(), names.end());
-  for (int k = 0; k < 1000; ++k) append_message(pings, {{}, 0, static_cast<std::int32_t>(Type::ping), 0, {}});
+  for (int k = 0; k < 1000; ++k) append_message(pings, {{}, 0, std::int32_t(Type::ping), 0, {}});
   std::size_t at = 0;
   const bool dropped = eventually([&] {
     for (;;) {
       const ssize_t size = ::send(deaf.fd(), pings.data() + at, pings.size() - at, MSG_NOSIGNAL);
       if (size < 0) return errno != EAGAIN;
-      at += static_cast<std::size_t>(size);
+      at += std::size_t(size);
       if (at == pings.size()) at = cookie_size;
     }
   });
   CHECK(dropped);
   CAPTURE(server.log());
-  CHECK(eventually([&] { return server.log().find(meaning(LinkFault::not_reading)) != std::string::npos; }));
+  CHECK(eventually([&] { return server.log().find(describe(LinkFault::not_reading)) != std::string::npos; }));
   CHECK(peer.kept());
 }
 
-TEST_CASE("as many clients as the limit, and the next is turned away and the log says so") {
+TEST_CASE("a client beyond the limit is rejected, and the log says so") {
   ServerOptions options;
   options.max_clients = 6;
   RunningServer server(options);
@@ -242,17 +242,17 @@ TEST_CASE("as many clients as the limit, and the next is turned away and the log
     clients.push_back(std::move(*client));
   }
   CHECK(failure(server.address(true)) != LinkFault::none);
-  CHECK(server.log().find("turned away, 6 clients are the limit") != std::string::npos);
+  CHECK(server.log().find("rejected: limit of 6 clients") != std::string::npos);
   for (auto& client : clients) {
     Heard heard;
     CHECK(listen(*client, heard, [&] { return heard.poses > 10; }));
   }
-  // A place that is free is given again.
+  // A free slot is used again.
   clients.pop_back();
   CHECK(eventually([&] { return failure(server.address(false)) == LinkFault::none; }));
 }
 
-TEST_CASE("one client holds the force at a time; another is told so, and has its turn later") {
+TEST_CASE("one client at a time controls the force; another gets a message, and its turn later") {
   RunningServer server;
   auto first = std::move(*Client::connect(server.address(true)));
   auto second = std::move(*Client::connect(server.address(true)));
@@ -280,7 +280,7 @@ TEST_CASE("one client holds the force at a time; another is told so, and has its
   }));
 }
 
-TEST_CASE("requests to dial anybody else, or a port below 1024, are left alone") {
+TEST_CASE("requests to connect to another host, or to a port below 1024, are ignored") {
   RunningServer server;
   const Socket udp = std::move(*connect_udp({loopback_host, server.port}));
   const Socket listener = std::move(*listen_tcp({loopback_host, 0}));
@@ -316,7 +316,8 @@ TEST_CASE("a client sets the rate of its own reports") {
   CHECK(slow_heard.poses < fast_heard.poses / 4);
 }
 
-TEST_CASE("a client that asks for more than the device can is told so, and the force stays within the peak") {
+TEST_CASE(
+    "a client that requests more than the peak gets a force error, and the force stays within the peak") {
   RunningServer server;
   auto client = std::move(*Client::connect(server.address(true)));
   Heard heard;

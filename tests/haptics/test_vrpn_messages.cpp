@@ -1,4 +1,4 @@
-// The wire format against frames written by hand from its description, byte by byte.
+// The wire format against frames written by hand from its description.
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 
@@ -21,7 +21,7 @@ Bytes bytes_of(std::string_view hex) {
     if (c == ' ') continue;
     digits += c;
     if (digits.size() < 2) continue;
-    out.push_back(static_cast<std::uint8_t>(std::stoi(digits, nullptr, 16)));
+    out.push_back(std::uint8_t(std::stoi(digits, nullptr, 16)));
     digits.clear();
   }
   return out;
@@ -44,7 +44,7 @@ constexpr float not_a_float = std::numeric_limits<float>::quiet_NaN();
 
 }  // namespace
 
-TEST_CASE("the cookie is 24 bytes, and is compared up to the last point") {
+TEST_CASE("the cookie has 24 bytes and is compared up to the last dot") {
   const auto ours = our_cookie();
   CHECK(std::string_view(reinterpret_cast<const char*>(ours.data()), 24) ==
         std::string_view("vrpn: ver. 07.38  0\0\0\0\0\0", 24));
@@ -61,23 +61,23 @@ TEST_CASE("the cookie is 24 bytes, and is compared up to the last point") {
   CHECK(match("") == CookieMatch::not_vrpn);
 }
 
-TEST_CASE("a button change is the frame that its description says") {
+TEST_CASE("a button change has the bytes of its description") {
   //                               length   seconds  microsec sender   type     sequence button   state
   const Bytes frame = bytes_of("00000020 00000001 00000002 00000003 00000004 00000005 00000001 00000001");
-  const Taken taken = take_message(frame);
-  REQUIRE(taken.frame == Frame::whole);
-  CHECK(taken.size == 32);
-  CHECK(taken.message.time.seconds == 1);
-  CHECK(taken.message.time.microseconds == 2);
-  CHECK(taken.message.sender == 3);
-  CHECK(taken.message.type == 4);
-  CHECK(taken.message.sequence == 5);
-  const auto change = decode_button_change(taken.message.payload);
+  const ParsedMessage parsed = parse_message(frame);
+  REQUIRE(parsed.frame == Frame::complete);
+  CHECK(parsed.size == 32);
+  CHECK(parsed.message.time.seconds == 1);
+  CHECK(parsed.message.time.microseconds == 2);
+  CHECK(parsed.message.sender == 3);
+  CHECK(parsed.message.type == 4);
+  CHECK(parsed.message.sequence == 5);
+  const auto change = decode_button_change(parsed.message.payload);
   REQUIRE(change);
   CHECK(change->button == 1);
   CHECK(change->state == 1);
   Bytes again;
-  append_message(again, taken.message);
+  append_message(again, parsed.message);
   CHECK(again == frame);
 }
 
@@ -90,13 +90,13 @@ TEST_CASE("a name is padded to a multiple of eight, and the length does not coun
   encode_name(payload, "Phantom0");
   append_message(out, {{}, 1, sender_description, 0, payload});
   CHECK(std::string(text_of(out)) == frame);
-  const Taken taken = take_message(out);
-  CHECK(taken.size == 40);
-  CHECK(decode_name(taken.message.payload) == "Phantom0");
-  CHECK(take_message(View(out).first(39)).frame == Frame::partial);
+  const ParsedMessage parsed = parse_message(out);
+  CHECK(parsed.size == 40);
+  CHECK(decode_name(parsed.message.payload) == "Phantom0");
+  CHECK(parse_message(View(out).first(39)).frame == Frame::partial);
 }
 
-TEST_CASE("poses, forces and planes are the bytes that their descriptions say") {
+TEST_CASE("poses, forces and planes have the bytes of their descriptions") {
   const Bytes pose = bytes_of(
       "00000001 00000001 3ff0000000000000 4000000000000000 c000000000000000"
       "0000000000000000 0000000000000000 0000000000000000 3ff0000000000000");
@@ -132,13 +132,13 @@ TEST_CASE("poses, forces and planes are the bytes that their descriptions say") 
   CHECK(payload_of(ForceError::force_too_high) == bytes_of("00000002"));
 }
 
-TEST_CASE("a length is believed from 24 to 64,000 bytes") {
+TEST_CASE("a length is valid from 24 to 64,000 bytes") {
   Bytes frame(64008);
   const auto with_length = [&](std::int32_t length) {
     Bytes head;
     put(head, length);
     std::copy(head.begin(), head.end(), frame.begin());
-    return take_message(frame);
+    return parse_message(frame);
   };
   for (const std::int32_t bad : {-2147483647 - 1, -24, -1, 0, 23, 64001, 65536, 2147483647}) {
     CHECK(with_length(bad).frame == Frame::bad);
@@ -149,7 +149,7 @@ TEST_CASE("a length is believed from 24 to 64,000 bytes") {
   CHECK(with_length(64000).size == 64000);
 }
 
-TEST_CASE("numbers that are not finite, and indices out of range, are refused") {
+TEST_CASE("numbers that are not finite, and indices out of range, are rejected") {
   for (const double bad : {not_a_number, infinite, -infinite}) {
     CHECK_FALSE(decode_force(payload_of(ForceReport{{0, bad, 0}})));
     CHECK_FALSE(decode_pos_quat(payload_of(PosQuat{0, {bad, 0, 0}, {}})));
@@ -174,7 +174,7 @@ TEST_CASE("numbers that are not finite, and indices out of range, are refused") 
   CHECK_FALSE(decode_update_rate(bytes_of("8000000000000000")));
 }
 
-TEST_CASE("names: lengths, NUL and characters are checked; ids are bounded") {
+TEST_CASE("names are checked for length, NUL and characters, and ids are bounded") {
   const auto name = [](std::int32_t length, std::string_view text) -> std::optional<std::string> {
     Bytes out;
     put(out, length);
@@ -204,8 +204,7 @@ TEST_CASE("names: lengths, NUL and characters are checked; ids are bounded") {
     CHECK_FALSE(names.type(bad));
     CHECK(names.sender(bad).empty());
   }
-  for (std::size_t k = 0; k < type_names.size(); ++k)
-    CHECK(type_named(type_names[k]) == static_cast<Type>(k));
+  for (std::size_t k = 0; k < type_names.size(); ++k) CHECK(find_type(type_names[k]) == static_cast<Type>(k));
 }
 
 TEST_CASE("texts end at their NUL, and control characters do not reach a terminal") {
@@ -224,7 +223,7 @@ TEST_CASE("a quaternion of any length is a rotation") {
   CHECK(orientation({0, 3, 0, 0}).isApprox(Quat(0, 0, 1, 0)));
 }
 
-TEST_CASE("addresses of devices") {
+TEST_CASE("addresses of devices parse, and malformed ones are rejected") {
   CHECK(parse_address("Phantom0@localhost")->text() == "Phantom0@localhost:3883");
   CHECK_FALSE(parse_address("Phantom0@localhost")->tcp_only);
   const auto tcp = parse_address("Phantom0@tcp://10.0.0.7:4500");
@@ -239,11 +238,11 @@ TEST_CASE("addresses of devices") {
   }
 }
 
-TEST_CASE("whatever is encoded decodes to the same, and a payload cut short is refused") {
+TEST_CASE("every payload decodes to what was encoded, and a truncated one is rejected") {
   CHECK(rc::check("round trips", [] {
     const auto number = [] { return *rc::gen::inRange(-1000000, 1000000) / 1024.0; };
     const auto vec = [&] { return Vec3(number(), number(), number()); };
-    const auto real = [&] { return static_cast<float>(number()); };
+    const auto real = [&] { return float(number()); };
     ForceField field;
     field.origin = vec().cast<float>();
     field.jacobian(1, 2) = real();

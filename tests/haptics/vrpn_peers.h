@@ -1,4 +1,4 @@
-// Peers for the tests of VRPN: a server in a thread of its own, and a raw TCP peer that may say anything.
+// Peers for the tests of VRPN: a server on a thread of its own, and a raw TCP peer that can send anything.
 #pragma once
 
 #include <poll.h>
@@ -14,10 +14,10 @@
 
 namespace intaglio::haptics::vrpn {
 
-// Generous: what is waited for comes in milliseconds, but a loaded machine may take long.
+// Generous: milliseconds are usually enough, but a loaded machine may take long.
 inline constexpr std::chrono::seconds test_patience{20};
 
-// Until `condition` holds; false when it never does.
+// Waits until `condition` holds; false if it never does.
 template <class Condition>
 bool eventually(Condition condition, std::chrono::milliseconds patience = test_patience) {
   const auto end = std::chrono::steady_clock::now() + patience;
@@ -53,7 +53,7 @@ class RunningServer {
     thread_.join();
   }
 
-  // Anything of the server, between two of its steps.
+  // Calls `question` with the server, between two of its steps.
   template <class Question>
   auto ask(Question question) {
     const std::lock_guard lock(step_mutex_);
@@ -91,13 +91,13 @@ class RawPeer {
         ::poll(&polled, 1, 100);
         read();
       } else {
-        bytes = bytes.subspan(static_cast<std::size_t>(size));
+        bytes = bytes.subspan(std::size_t(size));
       }
     }
     return true;
   }
   bool greet() { return write(our_cookie()); }
-  // What has come, thrown away; false once the peer has hung up.
+  // Discards everything received; false once the peer has hung up.
   bool read() {
     std::uint8_t buffer[65536];
     for (;;) {
@@ -118,7 +118,7 @@ class RawPeer {
   Socket socket_;
 };
 
-// Messages of a client that numbers its one sender 0 and its types as we do.
+// The descriptions of a client that gives its one sender id 0 and its types our ids.
 inline Bytes introduction(std::string_view name = "Phantom0") {
   Bytes out, payload;
   encode_name(payload, name);
@@ -126,7 +126,7 @@ inline Bytes introduction(std::string_view name = "Phantom0") {
   for (std::size_t id = 0; id < type_names.size(); ++id) {
     payload.clear();
     encode_name(payload, type_names[id]);
-    append_message(out, {{}, static_cast<std::int32_t>(id), type_description, 0, payload});
+    append_message(out, {{}, std::int32_t(id), type_description, 0, payload});
   }
   return out;
 }
@@ -135,7 +135,7 @@ template <class T>
 Bytes framed(Type type, const T& message) {
   Bytes out, payload;
   encode(payload, message);
-  append_message(out, {{}, 0, static_cast<std::int32_t>(type), 0, payload});
+  append_message(out, {{}, 0, std::int32_t(type), 0, payload});
   return out;
 }
 

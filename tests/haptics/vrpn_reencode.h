@@ -1,5 +1,4 @@
-// A payload through its decoder and encoder: the same bytes come back, where it was sound. For tests and the
-// fuzzer.
+// Decodes and encodes a payload: a valid one gives the same bytes. For tests and the fuzzer.
 #pragma once
 
 #include "haptics/vrpn/force.h"
@@ -16,7 +15,7 @@ std::optional<Bytes> encoded(const std::optional<T>& decoded) {
   return out;
 }
 
-// Nothing when the decoder refuses the payload.
+// Nothing when the decoder rejects the payload.
 inline std::optional<Bytes> reencode(Type type, View payload) {
   switch (type) {
     case Type::ping:
@@ -56,7 +55,7 @@ inline std::optional<Bytes> reencode(Type type, View payload) {
   return std::nullopt;
 }
 
-// The same for system messages; a log description is only checked.
+// The same for system messages with an encoder.
 inline std::optional<Bytes> reencode_system(std::int32_t type, View payload) {
   Bytes out;
   if (type == sender_description || type == type_description) {

@@ -1,4 +1,4 @@
-// The picture by brute force, in double, on the CPU: what the shaders are held to.
+// The reference picture, by brute force, in double, on the CPU.
 #pragma once
 
 #include <algorithm>

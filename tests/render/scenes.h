@@ -30,7 +30,7 @@ inline surface::Surface make_surface(int texels, double size, double max_depth,
       const double u = (i + 0.5) * h;
       const double v = (j + 0.5) * h;
       const double slope = max_depth / (2 * h * size);
-      t.depth.push_back(static_cast<float>(fraction(u, v)));
+      t.depth.push_back(float(fraction(u, v)));
       t.normal.push_back(Vec3(slope * (fraction(u + h, v) - fraction(u - h, v)),
                               slope * (fraction(u, v + h) - fraction(u, v - h)), 1)
                              .normalized());
@@ -71,11 +71,11 @@ inline RendererOptions small_options() {
   options.width = 160;
   options.height = 90;
   options.supersample = 1;
-  options.detail = Detail::every_texel;  // what brute force meets
+  options.detail = Detail::every_texel;  // as the brute force
   return options;
 }
 
-// False, with a message, where there is no EGL: then there is nothing to test.
+// False, with a message, if there is no EGL: then the test is skipped.
 inline bool have_gl() {
   static const std::string missing = [] {
     const auto context = EglContext::create();

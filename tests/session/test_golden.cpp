@@ -108,7 +108,9 @@ bool have_gl() {
 // The driver that drew the kept pictures; others filter textures differently.
 bool is_llvmpipe() {
   const auto context = render::EglContext::create();
-  return context && render::description_of_current().starts_with("llvmpipe");
+  if (!context) return false;
+  const render::CurrentContext scope(*context);
+  return render::description_of_current().starts_with("llvmpipe");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "intaglio/representation.h"
+#include "mesh/api.h"
 #include "scene/picture.h"
 #include "scene/surfaces.h"
 #include "scene/world.h"
@@ -98,7 +99,7 @@ TEST_CASE("the back of an open base has a rim, a closed base none") {
   REQUIRE(ball);
   CHECK(back_mesh(ball->mesh(), 0.001, 0.02).indices.empty());
   // The mean length of its circles of latitude, weighted by area, and half a meridian.
-  const Vec2 size = texture_size(ball->mesh());
+  const Vec2 size = surface::texture_size(ball->mesh());
   CHECK(size.x() == doctest::Approx(0.5 * 3.14159265 * 3.14159265 * 0.3).epsilon(0.01));
   CHECK(size.y() == doctest::Approx(3.14159265 * 0.3).epsilon(0.01));
 }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "mesh/triangle_mesh.h"
 #include "window/view_camera.h"
 
 using namespace intaglio;
@@ -24,7 +25,7 @@ double coordinate() {
 
 }  // namespace
 
-TEST_CASE("a ray through where a point is seen goes through the point") {
+TEST_CASE("the ray through a point's projection passes through the point") {
   rc::check([] {
     const Projection projection(camera(), 16.0 / 9);
     const Vec3 point(coordinate(), coordinate(), coordinate());
@@ -36,7 +37,8 @@ TEST_CASE("a ray through where a point is seen goes through the point") {
   });
 }
 
-TEST_CASE("orbit keeps target and distance, look keeps the eye, pan and fly keep the view; home undoes all") {
+TEST_CASE(
+    "orbit keeps target and distance, look keeps the eye, pan and fly keep the view; home restores the start") {
   rc::check([] {
     const render::Camera start = camera();
     ViewCamera view(start);
@@ -59,7 +61,7 @@ TEST_CASE("orbit keeps target and distance, look keeps the eye, pan and fly keep
   });
 }
 
-TEST_CASE("the nearest body on a ray is picked, on its surface; beside all of them nothing is") {
+TEST_CASE("the nearest body on a ray is picked, at its surface; a ray beside all bodies picks nothing") {
   scene::Scene scene;
   scene.balls.resize(2);
   scene.balls[0].radius = scene.balls[1].radius = 0.1;
@@ -78,4 +80,20 @@ TEST_CASE("the nearest body on a ray is picked, on its surface; beside all of th
   CHECK(boxed->distance == doctest::Approx(0.9));
   CHECK_FALSE(pick_body(scene, poses, {0.5, 0, 0}, -Vec3::UnitZ()));
   CHECK_FALSE(pick_body(scene, poses, {0, 0, -3}, -Vec3::UnitZ()));
+}
+
+TEST_CASE("a ray into a bowl hits its inside, not its back; one beside it hits nothing") {
+  const surface::TriangleMesh bowl = surface::make_bowl(0.5, 128, 64);
+  const Vec3 eye(0.3, 1, 0.2), down = -Vec3::UnitY();
+  const auto met = pick_base(bowl, eye, down);
+  REQUIRE(met);
+  CHECK(met->point.norm() == doctest::Approx(0.5).epsilon(1e-3));
+  CHECK(met->point.x() == doctest::Approx(0.3));
+  CHECK((met->normal + met->point.normalized()).norm() < 0.03);
+  // From the side the near wall shows its back: the ray hits the far one.
+  const auto far = pick_base(bowl, Vec3(0, -0.2, 2), -Vec3::UnitZ());
+  REQUIRE(far);
+  CHECK(far->point.z() < 0);
+  CHECK_FALSE(pick_base(bowl, eye + Vec3(1, 0, 0), down));
+  CHECK_FALSE(pick_base(bowl, eye, Vec3::UnitY()));
 }

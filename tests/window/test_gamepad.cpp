@@ -1,4 +1,4 @@
-// The gamepad, played by SDL's virtual one: what its sticks and shoulders say, and what its motors are told.
+// The gamepad, played by SDL's virtual one: sticks, shoulders and motors.
 #include <SDL2/SDL.h>
 #include <doctest/doctest.h>
 
@@ -6,7 +6,7 @@
 
 #include "scene/world.h"
 #include "tests/skipped.h"
-#include "window/hands.h"
+#include "window/input.h"
 
 using namespace intaglio;
 using namespace intaglio::window;
@@ -17,7 +17,7 @@ struct Shake {
   Uint16 heavy, light;
 };
 
-// A pad that is plugged in for as long as this lives, and remembers how it was shaken.
+// A pad that is plugged in for as long as this lives, and records its rumble.
 class VirtualPad {
  public:
   VirtualPad() {
@@ -60,7 +60,7 @@ class VirtualPad {
 
 void take_events(Gamepad& gamepad) {
   SDL_Event event;
-  while (SDL_PollEvent(&event) != 0) gamepad.take(event);
+  while (SDL_PollEvent(&event) != 0) gamepad.handle_event(event);
 }
 
 void touch(session::LiveState& state, bool begins, double impulse) {
@@ -71,7 +71,7 @@ void touch(session::LiveState& state, bool begins, double impulse) {
 
 }  // namespace
 
-TEST_CASE("a gamepad is taken when plugged in, read while there, and let go of when pulled out") {
+TEST_CASE("a gamepad is opened when plugged in, read while connected, and closed when unplugged") {
   VirtualPad pad;
   if (!pad) {
     tests::skipped(std::string("SDL has no virtual gamepad here: ") + SDL_GetError());
@@ -85,7 +85,7 @@ TEST_CASE("a gamepad is taken when plugged in, read while there, and let go of w
 
   pad.axis(SDL_CONTROLLER_AXIS_LEFTX, 32767);
   pad.axis(SDL_CONTROLLER_AXIS_LEFTY, -16384);
-  pad.axis(SDL_CONTROLLER_AXIS_RIGHTX, 3000);  // at rest no stick is quite in its middle
+  pad.axis(SDL_CONTROLLER_AXIS_RIGHTX, 3000);  // a stick at rest is never exactly centred
   CHECK((gamepad.left() - Vec2(1, -0.5)).norm() < 1e-3);
   CHECK(gamepad.right() == Vec2::Zero());
   pad.axis(SDL_CONTROLLER_AXIS_RIGHTY, 32767);
@@ -102,7 +102,7 @@ TEST_CASE("a gamepad is taken when plugged in, read while there, and let go of w
   CHECK(gamepad.shoulders() == 0);
 }
 
-TEST_CASE("contacts shake it: blows the heavy motor, sliding the light one, each once") {
+TEST_CASE("impacts drive the heavy motor, sliding the light one, each once") {
   VirtualPad pad;
   if (!pad) {
     tests::skipped(std::string("SDL has no virtual gamepad here: ") + SDL_GetError());
@@ -111,21 +111,21 @@ TEST_CASE("contacts shake it: blows the heavy motor, sliding the light one, each
   Gamepad gamepad;
   take_events(gamepad);
   session::LiveState state;
-  gamepad.feel(state);
+  gamepad.rumble(state);
   CHECK(pad.shakes().empty());
   touch(state, true, 0.1);
-  gamepad.feel(state);
+  gamepad.rumble(state);
   REQUIRE(pad.shakes().size() == 1);
-  CHECK(pad.shakes()[0].heavy == doctest::Approx(65535 * rumble_of(state, 0).blow).epsilon(1e-3));
+  CHECK(pad.shakes()[0].heavy == doctest::Approx(65535 * contact_rumble(state, 0).impact).epsilon(1e-3));
   CHECK(pad.shakes()[0].light == 0);
-  gamepad.feel(state);  // nothing has touched since
+  gamepad.rumble(state);  // no new contact
   CHECK(pad.shakes().size() == 1);
   touch(state, false, 0.1);
-  gamepad.feel(state);
+  gamepad.rumble(state);
   REQUIRE(pad.shakes().size() == 2);
   CHECK(pad.shakes()[1].heavy == 0);
   CHECK(pad.shakes()[1].light > 0);
   touch(state, true, 1e3);
-  gamepad.feel(state);
+  gamepad.rumble(state);
   CHECK(pad.shakes().back().heavy == 65535);
 }

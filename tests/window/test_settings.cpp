@@ -1,17 +1,19 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "core/file.h"
 #include "tests/temporary_folder.h"
-#include "window/hands.h"
+#include "window/input.h"
+#include "window/sdl_window.h"
 #include "window/settings.h"
 #include "window/stage.h"
 
 using namespace intaglio;
 using namespace intaglio::window;
 
-TEST_CASE("settings that are kept come back as they were; those of one run do not") {
+TEST_CASE("saved settings are read back; those of one run are not") {
   const tests::TemporaryFolder folder;
   const auto file = folder.path / "settings.toml";
   Settings settings;
@@ -32,7 +34,8 @@ TEST_CASE("settings that are kept come back as they were; those of one run do no
   CHECK(read.speed == 1);
 }
 
-TEST_CASE("settings that cannot be read change nothing and say why; missing ones are the defaults") {
+TEST_CASE(
+    "an unreadable settings file changes nothing and is reported; missing settings keep their defaults") {
   const tests::TemporaryFolder folder;
   const auto file = folder.path / "broken.toml";
   Settings settings;
@@ -47,11 +50,11 @@ TEST_CASE("settings that cannot be read change nothing and say why; missing ones
   REQUIRE(write_file(file, std::string_view("volume = 3\nsamples = 9\n")));
   const auto samples = read_settings(file, settings);
   REQUIRE_FALSE(samples);
-  CHECK(samples.error().message().find(":2: samples is 9; it must be a whole number from 1 to 4") !=
+  CHECK(samples.error().message().find(":2: samples is 9; it must be an integer from 1 to 4") !=
         std::string::npos);
 }
 
-TEST_CASE("what is written can be read again, whatever the window was like") {
+TEST_CASE("a written file can be read, whatever the settings were") {
   const tests::TemporaryFolder folder;
   const auto file = folder.path / "clamped.toml";
   Settings settings;
@@ -63,7 +66,7 @@ TEST_CASE("what is written can be read again, whatever the window was like") {
   CHECK(read.width == 16);
 }
 
-TEST_CASE("a changed file is noticed once, at most twice a second") {
+TEST_CASE("a changed file is reported once, at most twice a second") {
   const tests::TemporaryFolder folder;
   const auto file = folder.path / "watched";
   REQUIRE(write_file(file, std::string_view("a")));
@@ -76,19 +79,30 @@ TEST_CASE("a changed file is noticed once, at most twice a second") {
   CHECK_FALSE(watch.has_changed(1.2));
 }
 
-TEST_CASE("rumble: a harder blow shakes more, old contacts do not, and never beyond 1") {
+TEST_CASE("rumble grows with impulse up to 1; old contacts do not count") {
   session::LiveState state;
-  CHECK(rumble_of(state, 0).blow == 0);
+  CHECK(contact_rumble(state, 0).impact == 0);
   double before = 0;
   for (const double impulse : {1e-3, 1e-2, 0.1, 100.0}) {
     state.marks[state.mark_count % session::max_marks].begins = true;
     state.marks[state.mark_count++ % session::max_marks].impulse = {0, impulse, 0};
-    const Rumble rumble = rumble_of(state, state.mark_count - 1);
-    CHECK(rumble.blow >= before);
-    CHECK(rumble.blow <= 1);
+    const Rumble rumble = contact_rumble(state, state.mark_count - 1);
+    CHECK(rumble.impact >= before);
+    CHECK(rumble.impact <= 1);
     CHECK(rumble.slide == 0);
-    before = rumble.blow;
+    before = rumble.impact;
   }
   CHECK(before == 1);
-  CHECK(rumble_of(state, state.mark_count).blow == 0);
+  CHECK(contact_rumble(state, state.mark_count).impact == 0);
+}
+
+TEST_CASE("panels scale with the display's dots per inch, but not again when the desktop scales") {
+  CHECK(panel_scale(96, 1) == 1);
+  CHECK(panel_scale(192, 1) == 2);
+  CHECK(panel_scale(144, 1) == 1.5);
+  CHECK(panel_scale(192, 2) == 1);
+  CHECK(panel_scale(288, 2) == 1.5);
+  CHECK(panel_scale(96, 2) == 1);
+  for (const double nonsense : {0.0, 20.0, 5000.0, std::numeric_limits<double>::quiet_NaN()})
+    CHECK(panel_scale(nonsense, 1) == 1);
 }

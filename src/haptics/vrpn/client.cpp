@@ -11,7 +11,11 @@ std::string Address::text() const {
   return fmt::format("{}@{}:{}", name, host, port);
 }
 
-static constexpr std::string_view tcp_scheme = "tcp://";
+namespace {
+
+constexpr std::string_view tcp_scheme = "tcp://";
+
+}  // namespace
 
 Result<Address> parse_address(std::string_view text) {
   const auto wrong = [&](const char* what) {
@@ -43,73 +47,71 @@ Result<Address> parse_address(std::string_view text) {
 
 using std::chrono::steady_clock;
 
-static constexpr std::chrono::milliseconds glance{20};  // between two looks at `stopped`
-static constexpr std::chrono::seconds again{1};         // between two requests or two pings
+namespace {
 
-// What a user can do about it.
-static std::string advice(LinkFault fault, const Address& address) {
+constexpr std::chrono::milliseconds poll_interval{20};  // of `stopped`
+constexpr std::chrono::seconds retry_interval{1};       // of requests and pings
+
+// Advice to the user.
+std::string advice(LinkFault fault, const Address& address) {
   switch (fault) {
     case LinkFault::refused:
     case LinkFault::timed_out:
       return address.tcp_only ? "is the server running, at that port?"
                               : "is the server running, at that port? Behind a firewall try --tcp";
     case LinkFault::not_vrpn:
-      return "another program serves that port, or a server that has as many clients as it takes";
+      return "another program serves that port, or the server has no room for another client";
     default:
       return "";
   }
 }
 
-static tl::unexpected<LinkFailure> failed(LinkFault fault, const Address& address) {
-  return link_failure(fault, address.text(), advice(fault, address));
+tl::unexpected<LinkError> failed(LinkFault fault, const Address& address) {
+  return link_error(fault, address.text(), advice(fault, address));
 }
 
-namespace {
-
-// Time left to connect in, and whether anybody still wants to.
-struct Patience {
+// When to give up connecting.
+struct Deadline {
   const ClientOptions& options;
   SteadyTime end = steady_clock::now() + options.patience;
 
-  LinkFault over() const {
+  LinkFault check() const {
     if (options.stopped && *options.stopped) return LinkFault::stopped;
     return steady_clock::now() < end ? LinkFault::none : LinkFault::timed_out;
   }
 };
 
-}  // namespace
-
-static Linked<Socket> dial(const Address& address, const Ipv4& server, const ClientOptions& options) {
-  Linked<Socket> socket = dial_tcp(server);
+LinkResult<Socket> dial(const Address& address, const Ipv4& server, const ClientOptions& options) {
+  LinkResult<Socket> socket = dial_tcp(server);
   if (!socket) return failed(socket.error().fault, address);
-  const Patience patience{options};
+  const Deadline deadline{options};
   for (;;) {
-    wait_for(*socket, {}, true, std::chrono::nanoseconds(glance).count());
+    wait_for(*socket, {}, true, std::chrono::nanoseconds(poll_interval).count());
     if (is_connected(*socket)) return socket;
     LinkFault fault = pending_fault(*socket);
-    if (fault == LinkFault::none) fault = patience.over();
+    if (fault == LinkFault::none) fault = deadline.check();
     if (fault != LinkFault::none) return failed(fault, address);
   }
 }
 
-// Asks the server to call us, and waits for its call.
-static Linked<Accepted> request(const Address& address, const Ipv4& server, const ClientOptions& options) {
-  Linked<Socket> udp = connect_udp(server);
+// Asks the server to connect to us, and waits until it does.
+LinkResult<Accepted> request(const Address& address, const Ipv4& server, const ClientOptions& options) {
+  LinkResult<Socket> udp = connect_udp(server);
   if (!udp) return failed(udp.error().fault, address);
   const std::uint32_t our_host = local_address(*udp).host;
-  Linked<Socket> listener = listen_tcp({our_host, 0});
+  LinkResult<Socket> listener = listen_tcp({our_host, 0});
   if (!listener) return failed(listener.error().fault, address);
   Bytes datagram;
   encode_dial_request(datagram, {Ipv4{our_host, 0}.host_text(), local_address(*listener).port});
-  const Patience patience{options};
+  const Deadline deadline{options};
   SteadyTime next_request = steady_clock::now();
   for (;;) {
-    LinkFault fault = patience.over();
+    LinkFault fault = deadline.check();
     if (fault == LinkFault::none && steady_clock::now() >= next_request) {
-      next_request += again;
+      next_request += retry_interval;
       fault = send_datagram(*udp, datagram);
     }
-    wait_for(*listener, *udp, false, std::chrono::nanoseconds(glance).count());
+    wait_for(*listener, *udp, false, std::chrono::nanoseconds(poll_interval).count());
     if (fault == LinkFault::none) fault = pending_fault(*udp);
     if (fault != LinkFault::none) return failed(fault, address);
     while (auto call = accept_tcp(*listener))
@@ -117,28 +119,30 @@ static Linked<Accepted> request(const Address& address, const Ipv4& server, cons
   }
 }
 
-Linked<std::unique_ptr<Client>> Client::connect(const Address& address, const ClientOptions& options) {
-  Linked<Ipv4> server = resolve(address.host, address.port);
+}  // namespace
+
+LinkResult<std::unique_ptr<Client>> Client::connect(const Address& address, const ClientOptions& options) {
+  LinkResult<Ipv4> server = resolve_unless(options.stopped, address.host, address.port, options.resolver);
   if (!server) return tl::unexpected(server.error());
   Socket tcp;
   if (address.tcp_only) {
-    Linked<Socket> dialled = dial(address, *server, options);
+    LinkResult<Socket> dialled = dial(address, *server, options);
     if (!dialled) return tl::unexpected(dialled.error());
     tcp = std::move(*dialled);
   } else {
-    Linked<Accepted> call = request(address, *server, options);
+    LinkResult<Accepted> call = request(address, *server, options);
     if (!call) return tl::unexpected(call.error());
     tcp = std::move(call->socket);
   }
   std::unique_ptr<Client> client(new Client(address, std::move(tcp), *server));
-  const Patience patience{options};
-  while (!client->connection_.greeted()) {
-    client->step(glance, nullptr);  // what the device says is for our caller
+  const Deadline deadline{options};
+  while (!client->connection_.is_established()) {
+    client->step(poll_interval, nullptr);  // leaves the device's messages to the caller
     LinkFault fault = client->fault();
     if (fault == LinkFault::too_slow) fault = LinkFault::timed_out;
-    // It hung up before it said what it is.
+    // It hung up before it sent a cookie.
     if (fault == LinkFault::closed) fault = LinkFault::not_vrpn;
-    if (fault == LinkFault::none && !client->connection_.greeted()) fault = patience.over();
+    if (fault == LinkFault::none && !client->connection_.is_established()) fault = deadline.check();
     if (fault != LinkFault::none) return failed(fault, address);
   }
   return client;
@@ -167,14 +171,14 @@ void Client::step(std::chrono::nanoseconds patience, const Connection::Handler& 
 }
 
 void Client::ping(SteadyTime now) {
-  if (answered_ || !connection_.greeted() || (pinged_ && now - last_ping_ < again)) return;
+  if (answered_ || !connection_.is_established() || (pinged_ && now - last_ping_ < retry_interval)) return;
   if (!pinged_) first_ping_ = now;
   pinged_ = true;
   last_ping_ = now;
   send(Type::ping, {}, Channel::reliable);
 }
 
-std::chrono::nanoseconds Client::unanswered() const {
+std::chrono::nanoseconds Client::ping_age() const {
   if (answered_ || !pinged_) return {};
   return steady_clock::now() - first_ping_;
 }

@@ -1,4 +1,4 @@
-// How people name a VRPN device: NAME@HOST[:PORT], or NAME@tcp://HOST[:PORT] to use TCP only.
+// A VRPN device's address, and the client side of a link to it.
 #pragma once
 
 #include <atomic>
@@ -12,6 +12,7 @@
 
 namespace intaglio::haptics::vrpn {
 
+// NAME@HOST[:PORT], or NAME@tcp://HOST[:PORT] to use TCP only.
 struct Address {
   std::string name;  // of the sender, for example "Phantom0"
   std::string host;
@@ -23,26 +24,29 @@ struct Address {
 
 Result<Address> parse_address(std::string_view text);
 
-// The client side of a VRPN link: dials a server by UDP request or by TCP only, then pings it until it
-// answers and hands over what it sends.
+// The client side of a link: dials a server by UDP request or by TCP only, pings it until it answers, and
+// passes its messages to a handler.
 //
-// By UDP request our side listens on TCP at the address that leads to the server, asks for the call once a
-// second, and takes it from the server's address only. connect() blocks up to its patience (and as long as
-// the name service takes); step() up to its timeout. One thread.
+// By UDP request we listen on TCP at the address that leads to the server, ask it once a second to connect,
+// and accept connections from the server's address only. connect() blocks for up to its patience, plus the
+// time that the name service takes, and returns within 20 ms of `stopped`; step() blocks for up to its
+// timeout. One thread.
 
 struct ClientOptions {
-  std::chrono::milliseconds patience{3000};    // for the call, and again for the cookie
-  const std::atomic<bool>* stopped = nullptr;  // set from outside to give up early
+  std::chrono::milliseconds patience{3000};    // for the connection, and again for the cookie
+  const std::atomic<bool>* stopped = nullptr;  // set by the caller to give up early
+  Resolver resolver = resolve;                 // looks up the host's name
 };
 
-// Our senders, as both sides number their own: 0 "VRPN Control", 1 the device.
+// Ids of our own senders, client and server alike: 0 "VRPN Control", 1 the device.
 inline constexpr std::int32_t device_sender = 1;
 
 class Client {
  public:
-  static Linked<std::unique_ptr<Client>> connect(const Address& address, const ClientOptions& options = {});
+  static LinkResult<std::unique_ptr<Client>> connect(const Address& address,
+                                                     const ClientOptions& options = {});
 
-  // Waits up to `patience` for something to do, then does it. The handler gets what the device sent.
+  // Waits up to `patience` for something to do, then does it. The handler gets the device's messages.
   void step(std::chrono::nanoseconds patience, const Connection::Handler& handler);
   void send(Type type, const Bytes& payload, Channel channel) {
     connection_.send(type, device_sender, payload, channel);
@@ -50,8 +54,8 @@ class Client {
 
   const Connection& connection() const { return connection_; }
   LinkFault fault() const { return connection_.fault(); }
-  // How long our pings have had no pong; zero once there was one.
-  std::chrono::nanoseconds unanswered() const;
+  // Time since the first ping without an answer; zero after any pong.
+  std::chrono::nanoseconds ping_age() const;
 
  private:
   Client(const Address& address, Socket tcp, const Ipv4& peer);

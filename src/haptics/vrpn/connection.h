@@ -1,10 +1,10 @@
-// One VRPN connection after somebody has dialled: cookies, descriptions, messages both ways, and the rules
-// that a peer must keep.
+// One VRPN connection, once the TCP link is up: cookies, descriptions, messages both ways, and the rules that
+// a peer must keep.
 //
-// A peer is dropped when three of its frames cannot be believed, when its cookie is not VRPN's, when a cookie
-// or a message takes too long, or when it does not read. UDP is used for low-latency messages once the peer
-// has said where it listens, and only towards the address that the TCP link has. step() never blocks; one
-// thread. What the handler gets is valid during its call only.
+// A peer is dropped after three malformed frames, for a cookie that is not VRPN's, for a cookie or a message
+// that takes too long, and when it does not read its socket. Low-latency messages go by UDP once the peer has
+// named its port, and only to the address at the other end of the TCP link. step() never blocks; one thread.
+// The handler's argument is valid during the call only.
 #pragma once
 
 #include <chrono>
@@ -28,7 +28,7 @@ enum class Channel { reliable, low_latency };
 
 struct ConnectionOptions {
   std::vector<std::string> senders;  // our names, beginning with "VRPN Control"
-  bool udp = false;                  // listen for UDP too, and say so
+  bool udp = false;                  // also listen for UDP, and tell the peer
   std::chrono::milliseconds cookie_patience{3000};
   std::chrono::milliseconds message_patience{5000};  // for the rest of a message that has begun
 };
@@ -37,26 +37,26 @@ inline constexpr int bad_frame_limit = 3;
 
 class Connection {
  public:
-  // Whether the payload was sound; unsound ones count as bad frames.
+  // Returns whether the payload was valid; invalid ones count as malformed frames.
   using Handler = std::function<bool(const Received&)>;
 
   Connection(Socket tcp, const Ipv4& peer, ConnectionOptions options, SteadyTime now);
 
-  // Reads, hands over, writes. Does nothing after a fault. Without a handler it gets as far as the cookie;
-  // what follows waits for a step with one.
+  // Reads, calls the handler, writes. Does nothing after a fault. Without a handler it stops after the
+  // cookie; later messages wait for a step with one.
   void step(SteadyTime now, const Handler& handler);
-  // Queues a message of ours; `sender` is the place in options.senders. Leaves with the next step().
-  // Low-latency messages are left out, rather than queued, while the peer does not keep up.
+  // Queues a message, which leaves with the next step(); `sender` is an index into options.senders.
+  // Low-latency messages are dropped, not queued, while the peer does not keep up.
   void send(Type type, std::int32_t sender, const Bytes& payload, Channel channel,
             const Stamp& time = Stamp::now());
 
   LinkFault fault() const { return fault_; }
-  bool greeted() const { return greeted_; }  // the peer's cookie came and was right
+  bool is_established() const { return established_; }  // the peer has sent a valid cookie
   const Cookie& peer_cookie() const { return peer_cookie_; }
   const PeerNames& peer_names() const { return names_; }
   const Ipv4& peer() const { return peer_; }
   int bad_frames() const { return bad_frames_ + framer_.bad_frames(); }
-  bool sends_udp() const { return static_cast<bool>(udp_out_); }
+  bool sends_udp() const { return bool(udp_out_); }
   std::int64_t datagrams_received() const { return datagrams_received_; }
   const Socket& tcp() const { return tcp_; }
   const Socket& udp() const { return udp_in_; }
@@ -64,13 +64,13 @@ class Connection {
 
  private:
   void read_tcp(SteadyTime now, const Handler& handler);
-  void take_messages(SteadyTime now, const Handler& handler);
+  void handle_messages(SteadyTime now, const Handler& handler);
   void read_udp(const Handler& handler);
-  bool greet();
-  void queue(const Message& message);
+  bool check_cookie();
+  void append(Bytes& out, Message message);
   void describe_ourselves();
-  void take(const Message& message, const Handler& handler, bool datagram);
-  bool take_system(const Message& message);
+  void handle(const Message& message, const Handler& handler, bool datagram);
+  bool handle_system(const Message& message);
   void write_tcp();
   void write_datagram();
   void check_patience(SteadyTime now);
@@ -84,10 +84,10 @@ class Connection {
   Bytes out_, datagram_, scratch_;
   std::size_t sent_ = 0;  // of out_
   Cookie peer_cookie_;
-  bool greeted_ = false;
+  bool established_ = false;
   SteadyTime waiting_since_;  // for the cookie, or for the rest of a message
   std::int32_t sequence_ = 0;
-  int bad_frames_ = 0;  // of contents; the framer counts the lengths
+  int bad_frames_ = 0;  // with invalid contents; the framer counts invalid lengths
   std::int64_t datagrams_received_ = 0;
   LinkFault fault_ = LinkFault::none;
 };

@@ -8,9 +8,11 @@
 
 namespace intaglio::haptics::vrpn {
 
-// `N` floats, all finite.
+namespace {
+
+// N finite floats.
 template <std::size_t N>
-static std::optional<std::array<float, N>> read_floats(Reader& reader) {
+std::optional<std::array<float, N>> read_floats(Reader& reader) {
   std::array<float, N> values;
   bool finite = true;
   for (float& value : values) {
@@ -20,7 +22,9 @@ static std::optional<std::array<float, N>> read_floats(Reader& reader) {
   return reader.ok() && finite ? std::optional(values) : std::nullopt;
 }
 
-std::string_view meaning(ForceError error) {
+}  // namespace
+
+std::string_view describe(ForceError error) {
   switch (error) {
     case ForceError::out_of_range:
       return "a value is out of range";
@@ -29,7 +33,7 @@ std::string_view meaning(ForceError error) {
     case ForceError::force_too_high:
       return "the force is too high";
     case ForceError::misc:
-      return "the device has an error";
+      return "device error";
     case ForceError::ok:
       return "ok";
   }
@@ -39,7 +43,7 @@ std::string_view meaning(ForceError error) {
 std::optional<ForceReport> decode_force(View payload) {
   Reader reader(payload);
   const ForceReport force{reader.vec3()};
-  if (!reader.done() || !force.newtons.allFinite()) return std::nullopt;
+  if (!reader.at_end() || !force.newtons.allFinite()) return std::nullopt;
   return force;
 }
 
@@ -47,7 +51,7 @@ std::optional<ContactPose> decode_scp(View payload) {
   Reader reader(payload);
   const Vec3 position = reader.vec3();
   const auto quat = read_quat(reader);
-  if (!reader.done() || !position.allFinite() || !quat) return std::nullopt;
+  if (!reader.at_end() || !position.allFinite() || !quat) return std::nullopt;
   return ContactPose{position, *quat};
 }
 
@@ -55,7 +59,7 @@ std::optional<PlaneMessage> decode_plane(View payload) {
   Reader reader(payload);
   const auto f = read_floats<8>(reader);
   const std::int32_t index = reader.i32(), recovery_cycles = reader.i32();
-  if (!f || !reader.done() || index < 0 || index >= plane_limit) return std::nullopt;
+  if (!f || !reader.at_end() || index < 0 || index >= plane_limit) return std::nullopt;
   const auto& v = *f;
   return PlaneMessage{v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], index, recovery_cycles};
 }
@@ -63,7 +67,7 @@ std::optional<PlaneMessage> decode_plane(View payload) {
 std::optional<PlaneEffects> decode_plane_effects(View payload) {
   Reader reader(payload);
   const auto f = read_floats<6>(reader);
-  if (!f || !reader.done()) return std::nullopt;
+  if (!f || !reader.at_end()) return std::nullopt;
   const auto& v = *f;
   return PlaneEffects{v[0], v[1], v[2], v[3], v[4], v[5]};
 }
@@ -71,14 +75,14 @@ std::optional<PlaneEffects> decode_plane_effects(View payload) {
 std::optional<ForceField> decode_force_field(View payload) {
   Reader reader(payload);
   const auto f = read_floats<16>(reader);
-  if (!f || !reader.done() || (*f)[15] < 0) return std::nullopt;
+  if (!f || !reader.at_end() || (*f)[15] < 0) return std::nullopt;
   const auto& v = *f;
   ForceField field;
   field.origin = {v[0], v[1], v[2]};
   field.force = {v[3], v[4], v[5]};
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 3; ++column)
-      field.jacobian(row, column) = v[static_cast<std::size_t>(6 + 3 * row + column)];
+      field.jacobian(row, column) = v[std::size_t(6 + 3 * row + column)];
   field.radius = v[15];
   return field;
 }
@@ -86,7 +90,7 @@ std::optional<ForceField> decode_force_field(View payload) {
 std::optional<ForceError> decode_force_error(View payload) {
   Reader reader(payload);
   const std::int32_t code = reader.i32();
-  if (!reader.done() || code < 0 || code > static_cast<std::int32_t>(ForceError::ok)) return std::nullopt;
+  if (!reader.at_end() || code < 0 || code > std::int32_t(ForceError::ok)) return std::nullopt;
   return static_cast<ForceError>(code);
 }
 
@@ -120,36 +124,40 @@ void encode(Bytes& out, const ForceField& field) {
 }
 
 void encode(Bytes& out, ForceError error) {
-  put(out, static_cast<std::int32_t>(error));
+  put(out, std::int32_t(error));
 }
 
-// a x + b y + c z + d = 0 with a normal of any length. Doubles hold the squares of any float.
-static Plane unit_plane(const PlaneMessage& message) {
+namespace {
+
+// The plane a x + b y + c z + d = 0 with its normal scaled to 1. Squares of any float fit in a double.
+Plane unit_plane(const PlaneMessage& message) {
   const Vec3 normal(message.a, message.b, message.c);
   const double length = normal.norm();
   return {normal / length, -message.d / length};
 }
 
-void AskedForce::set(const PlaneMessage& plane) {
-  auto& place = planes_[static_cast<std::size_t>(plane.index)];
-  place = plane.off() ? std::nullopt : std::optional(plane);
+}  // namespace
+
+void RequestedForce::set(const PlaneMessage& plane) {
+  auto& slot = planes_[std::size_t(plane.index)];
+  slot = plane.off() ? std::nullopt : std::optional(plane);
 }
 
-void AskedForce::set(const ForceField& field) {
-  const bool nothing = field.force.isZero(0) && field.jacobian.isZero(0);
-  field_ = nothing ? std::nullopt : std::optional(field);
+void RequestedForce::set(const ForceField& field) {
+  const bool is_zero = field.force.isZero(0) && field.jacobian.isZero(0);
+  field_ = is_zero ? std::nullopt : std::optional(field);
 }
 
-void AskedForce::clear() {
-  *this = AskedForce(units_);
+void RequestedForce::clear() {
+  *this = RequestedForce(units_);
 }
 
-bool AskedForce::any() const {
+bool RequestedForce::is_active() const {
   return !force_.isZero(0) || field_ ||
          std::any_of(planes_.begin(), planes_.end(), [](const auto& plane) { return plane.has_value(); });
 }
 
-Vec3 AskedForce::newtons(const Vec3& x, const Vec3& v) const {
+Vec3 RequestedForce::newtons(const Vec3& x, const Vec3& v) const {
   Vec3 sum = force_;
   for (const auto& plane : planes_) {
     if (!plane) continue;
@@ -165,7 +173,7 @@ Vec3 AskedForce::newtons(const Vec3& x, const Vec3& v) const {
   return sum;
 }
 
-std::optional<Vec3> AskedForce::contact(const Vec3& x) const {
+std::optional<Vec3> RequestedForce::contact(const Vec3& x) const {
   std::optional<Vec3> point;
   double deepest = 0;
   for (const auto& message : planes_) {

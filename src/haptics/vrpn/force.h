@@ -1,5 +1,7 @@
-// Payloads of force device messages. Decoders give nothing for a wrong size, a plane or error out of range,
-// or a number that is not finite. Metres and newtons; kspring and kdamp are in the driver's own units.
+// Payloads of force device messages, and the force that a client requests by them.
+//
+// Decoders return nothing for a wrong size, a plane or error out of range, or a number that is not finite.
+// Metres and newtons; kspring and kdamp are in the driver's own units.
 #pragma once
 
 #include <array>
@@ -26,12 +28,12 @@ struct PlaneMessage {
   float a = 0, b = 0, c = 0, d = 0;
   float kspring = 0.8f, kdamp = 0.001f, fdyn = 0, fstat = 0;
   std::int32_t index = 0;            // 0..3
-  std::int32_t recovery_cycles = 1;  // servers do not honour it
+  std::int32_t recovery_cycles = 1;  // ignored by servers
 
   bool off() const { return a == 0 && b == 0 && c == 0; }
 };
 
-// Effects of a plane: what a driver may lay over it.
+// Optional effects of a plane.
 struct PlaneEffects {
   float adhesion_normal = 0, adhesion_lateral = 0;
   float texture_amplitude = 0, texture_wavelength = 0;
@@ -46,7 +48,7 @@ struct ForceField {
 };
 
 enum class ForceError : std::int32_t { out_of_range, duty_cycle, force_too_high, misc, ok };
-std::string_view meaning(ForceError error);
+std::string_view describe(ForceError error);
 
 std::optional<ForceReport> decode_force(View payload);
 std::optional<ContactPose> decode_scp(View payload);
@@ -62,33 +64,32 @@ void encode(Bytes& out, const PlaneEffects& effects);
 void encode(Bytes& out, const ForceField& field);
 void encode(Bytes& out, ForceError error);
 
-// What a VRPN client asks the hand to feel: a force, up to four planes, a force field; and what that comes to
-// at a place. Not guarded: whoever displays it passes it through a Guard.
-//
-// Planes are damped springs that push and never pull (plane_force()); their friction and effects are taken
-// note of but not displayed. Numbers were checked when they were decoded. No allocation. One thread.
-
-// What a driver's own units of a plane are in SI. Defaults: newtons a millimetre, as the usual 0.8 of clients
-// means.
+// A driver's units of stiffness and damping in SI. Defaults: per millimetre, matching the usual kspring of
+// 0.8.
 struct PlaneUnits {
-  double stiffness = 1000;  // N/m a unit of kspring
-  double damping = 1000;    // N s/m a unit of kdamp
+  double stiffness = 1000;  // N/m per unit of kspring
+  double damping = 1000;    // N s/m per unit of kdamp
 };
 
-class AskedForce {
+// The force requested by a VRPN client: a force, up to four planes, a force field. Unguarded: pass it through
+// a Guard.
+//
+// Planes are damped springs that push and never pull (plane_force()); their friction and effects are parsed
+// but not rendered. Numbers were checked when they were decoded. No allocation. One thread.
+class RequestedForce {
  public:
-  explicit AskedForce(const PlaneUnits& units) : units_(units) {}
+  explicit RequestedForce(const PlaneUnits& units) : units_(units) {}
 
   void set(const ForceReport& force) { force_ = force.newtons; }
   void set(const PlaneMessage& plane);
   void set(const ForceField& field);
   void clear();
-  // Whether anything is asked for.
-  bool any() const;
+  // Whether anything is requested.
+  bool is_active() const;
 
   // N at the tip's position (m) and velocity (m/s), device frame.
   Vec3 newtons(const Vec3& x, const Vec3& v) const;
-  // Where the tip touches: its projection on the plane that it is deepest in.
+  // The tip's projection onto the plane that it is deepest in; none outside all planes.
   std::optional<Vec3> contact(const Vec3& x) const;
 
  private:

@@ -2,47 +2,42 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cctype>
 #include <charconv>
 #include <chrono>
 
 namespace intaglio::haptics::vrpn {
 
-static std::size_t padded(std::size_t size) {
-  return (size + 7) / 8 * 8;
-}
-
 Stamp Stamp::now() {
   const auto since = std::chrono::duration_cast<std::chrono::microseconds>(
                          std::chrono::system_clock::now().time_since_epoch())
                          .count();
-  return {static_cast<std::int32_t>(since / 1000000), static_cast<std::int32_t>(since % 1000000)};
+  return {std::int32_t(since / 1000000), std::int32_t(since % 1000000)};
 }
 
-Taken take_message(View bytes) {
+ParsedMessage parse_message(View bytes) {
   if (bytes.size() < header_size) return {};
   Reader header(bytes.first(header_size));
   const std::int32_t length = header.i32();
-  // Before any arithmetic on it.
-  if (length < static_cast<std::int32_t>(header_size) || length > static_cast<std::int32_t>(message_limit))
+  // Checked before any arithmetic on it.
+  if (length < std::int32_t(header_size) || length > std::int32_t(message_limit))
     return {Frame::bad, header_size, {}};
-  const auto size = static_cast<std::size_t>(length);
+  const auto size = std::size_t(length);
   if (bytes.size() < padded(size)) return {};
-  Taken taken{Frame::whole, padded(size), {}};
-  taken.message.time.seconds = header.i32();
-  taken.message.time.microseconds = header.i32();
-  taken.message.sender = header.i32();
-  taken.message.type = header.i32();
-  taken.message.sequence = header.i32();
-  taken.message.payload = bytes.subspan(header_size, size - header_size);
-  return taken;
+  ParsedMessage parsed{Frame::complete, padded(size), {}};
+  parsed.message.time.seconds = header.i32();
+  parsed.message.time.microseconds = header.i32();
+  parsed.message.sender = header.i32();
+  parsed.message.type = header.i32();
+  parsed.message.sequence = header.i32();
+  parsed.message.payload = bytes.subspan(header_size, size - header_size);
+  return parsed;
 }
 
 void append_message(Bytes& out, const Message& message) {
   const std::size_t size = header_size + message.payload.size();
   assert(size <= message_limit);
   const std::size_t end = out.size() + padded(size);
-  put(out, static_cast<std::int32_t>(size));
+  put(out, std::int32_t(size));
   put(out, message.time.seconds);
   put(out, message.time.microseconds);
   put(out, message.sender);
@@ -53,30 +48,34 @@ void append_message(Bytes& out, const Message& message) {
 }
 
 void Framer::feed(View bytes) {
-  buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(used_));
+  buffer_.erase(buffer_.begin(), buffer_.begin() + std::ptrdiff_t(used_));
   used_ = 0;
   buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
 }
 
 std::optional<Message> Framer::next() {
   for (;;) {
-    const Taken taken = take_message(rest());
-    if (taken.frame == Frame::partial) return std::nullopt;
-    used_ += taken.size;
-    if (taken.frame == Frame::whole) return taken.message;
+    const ParsedMessage parsed = parse_message(rest());
+    if (parsed.frame == Frame::partial) return std::nullopt;
+    used_ += parsed.size;
+    if (parsed.frame == Frame::complete) return parsed.message;
     ++bad_frames_;
   }
 }
 
 View Framer::take(std::size_t size) {
   if (waiting() < size) return {};
-  const View taken = rest().first(size);
+  const View bytes = rest().first(size);
   used_ += size;
-  return taken;
+  return bytes;
 }
 
-static constexpr std::string_view magic = "vrpn: ver. 07.38";
-static constexpr std::size_t log_mode_at = magic.size() + 2;
+namespace {
+
+constexpr std::string_view magic = "vrpn: ver. 07.38";
+constexpr std::size_t log_mode_at = magic.size() + 2;
+
+}  // namespace
 
 std::array<std::uint8_t, cookie_size> our_cookie() {
   std::array<std::uint8_t, cookie_size> cookie{};
@@ -94,46 +93,48 @@ Cookie read_cookie(View bytes) {
   if (!text.starts_with(major) || log_mode < '0' || log_mode > '3') return {};
   Cookie cookie{CookieMatch::same, log_mode - '0', std::string(text.substr(11, 5))};
   for (char& c : cookie.version)
-    if (!std::isprint(static_cast<unsigned char>(c))) c = '?';
+    if (!is_printable(c)) c = '?';
   if (!text.starts_with(magic)) cookie.match = CookieMatch::other_minor_version;
   return cookie;
 }
 
-std::optional<Type> type_named(std::string_view name) {
+std::optional<Type> find_type(std::string_view name) {
   const auto found = std::find(type_names.begin(), type_names.end(), name);
   if (found == type_names.end()) return std::nullopt;
   return static_cast<Type>(found - type_names.begin());
 }
 
-// The place of `id` in a table that grows as far as a believable id asks; null beyond.
+namespace {
+
+// The entry of `id` in a table, which grows as needed; null for an id out of range.
 template <class Table>
-static typename Table::value_type* place(Table& table, std::int32_t id) {
+typename Table::value_type* slot_for(Table& table, std::int32_t id) {
   if (id < 0 || id >= id_limit) return nullptr;
-  const auto at = static_cast<std::size_t>(id);
+  const auto at = std::size_t(id);
   if (at >= table.size()) table.resize(at + 1);
   return &table[at];
 }
 
+}  // namespace
+
 bool PeerNames::learn_sender(std::int32_t id, std::string_view name) {
-  std::string* const known = place(senders_, id);
+  std::string* const known = slot_for(senders_, id);
   if (known) *known = name;
   return known != nullptr;
 }
 
 bool PeerNames::learn_type(std::int32_t id, std::string_view name) {
-  std::optional<Type>* const known = place(types_, id);
-  if (known) *known = type_named(name);
+  std::optional<Type>* const known = slot_for(types_, id);
+  if (known) *known = find_type(name);
   return known != nullptr;
 }
 
 std::string_view PeerNames::sender(std::int32_t id) const {
-  return id >= 0 && static_cast<std::size_t>(id) < senders_.size() ? senders_[static_cast<std::size_t>(id)]
-                                                                   : std::string_view();
+  return id >= 0 && std::size_t(id) < senders_.size() ? senders_[std::size_t(id)] : std::string_view();
 }
 
 std::optional<Type> PeerNames::type(std::int32_t id) const {
-  return id >= 0 && static_cast<std::size_t>(id) < types_.size() ? types_[static_cast<std::size_t>(id)]
-                                                                 : std::nullopt;
+  return id >= 0 && std::size_t(id) < types_.size() ? types_[std::size_t(id)] : std::nullopt;
 }
 
 std::vector<std::string> PeerNames::senders() const {
@@ -143,40 +144,40 @@ std::vector<std::string> PeerNames::senders() const {
   return named;
 }
 
-bool PeerNames::knows(Type type) const {
+bool PeerNames::has_named(Type type) const {
   return std::find(types_.begin(), types_.end(), std::optional(type)) != types_.end();
 }
 
-// ASCII whatever the locale.
-static bool printable(char c) {
-  return c >= ' ' && c <= '~';
-}
-static bool in_host(char c) {
+namespace {
+
+bool in_host(char c) {
   return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '.';
 }
-static bool sound_host(std::string_view host) {
+bool is_valid_host(std::string_view host) {
   return !host.empty() && host.size() < name_limit && std::all_of(host.begin(), host.end(), in_host);
 }
+
+}  // namespace
 
 std::optional<std::string_view> decode_name(View payload) {
   Reader reader(payload);
   const std::int32_t length = reader.i32();
-  if (length < 2 || length > static_cast<std::int32_t>(name_limit)) return std::nullopt;
-  const std::string_view text = text_of(reader.raw(static_cast<std::size_t>(length)));
-  if (!reader.done() || text.back() != '\0') return std::nullopt;
+  if (length < 2 || length > std::int32_t(name_limit)) return std::nullopt;
+  const std::string_view text = text_of(reader.raw(std::size_t(length)));
+  if (!reader.at_end() || text.back() != '\0') return std::nullopt;
   const std::string_view name = text.substr(0, text.size() - 1);
-  return std::all_of(name.begin(), name.end(), printable) ? std::optional(name) : std::nullopt;
+  return std::all_of(name.begin(), name.end(), is_printable) ? std::optional(name) : std::nullopt;
 }
 
 void encode_name(Bytes& out, std::string_view name) {
-  put(out, static_cast<std::int32_t>(name.size() + 1));
+  put(out, std::int32_t(name.size() + 1));
   put(out, name);
   out.push_back(0);
 }
 
 std::optional<std::string> decode_udp_host(View payload) {
   const std::string_view text = text_of(payload);
-  if (text.empty() || text.back() != '\0' || !sound_host(text.substr(0, text.size() - 1)))
+  if (text.empty() || text.back() != '\0' || !is_valid_host(text.substr(0, text.size() - 1)))
     return std::nullopt;
   return std::string(text.substr(0, text.size() - 1));
 }
@@ -186,13 +187,13 @@ void encode_udp_host(Bytes& out, std::string_view host) {
   out.push_back(0);
 }
 
-bool sound_log_description(View payload) {
+bool is_valid_log_description(View payload) {
   Reader reader(payload);
   const std::int64_t in = reader.i32(), out = reader.i32();
-  const auto limit = static_cast<std::int64_t>(message_limit);
+  const auto limit = std::int64_t(message_limit);
   if (!reader.ok() || in < 0 || out < 0 || in > limit || out > limit) return false;
-  // Whether a length counts its NUL is not specified.
-  const auto left = static_cast<std::int64_t>(reader.left());
+  // It is unspecified whether a length counts its NUL.
+  const auto left = std::int64_t(reader.left());
   return left >= in + out && left <= in + out + 2;
 }
 
@@ -206,7 +207,7 @@ std::optional<DialRequest> decode_dial_request(View datagram) {
   int port = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
   if (error != std::errc() || end != digits.data() + digits.size()) return std::nullopt;
-  if (!sound_host(host) || !sound_port(port)) return std::nullopt;
+  if (!is_valid_host(host) || !is_valid_port(port)) return std::nullopt;
   return DialRequest{std::string(host), port};
 }
 

@@ -1,6 +1,6 @@
-// Numbers and text as VRPN puts them on the wire: big-endian, IEEE floats. Reading is bounded: whatever lies
-// beyond the end reads as zero and makes ok() false, so that a decoder checks once, at its end, before it
-// believes anything. Any thread; no state but the reader's own.
+// The VRPN wire format: numbers, messages and their framing, the cookie, names and ids, and the payloads of
+// system messages. Source: measured on running peers (docs/devices.md). Payloads of devices: payloads.h,
+// force.h.
 #pragma once
 
 #include <array>
@@ -20,19 +20,21 @@ namespace intaglio::haptics::vrpn {
 using Bytes = std::vector<std::uint8_t>;
 using View = std::span<const std::uint8_t>;
 
+// Reads numbers as VRPN sends them: big-endian, IEEE floats. Reading is bounded: everything beyond the end
+// reads as zero and makes ok() false, so that a decoder checks once, at its end, before using any value.
 class Reader {
  public:
   explicit Reader(View bytes) : bytes_(bytes) {}
 
   std::uint32_t u32() { return big_endian<std::uint32_t>(); }
-  std::int32_t i32() { return static_cast<std::int32_t>(u32()); }
+  std::int32_t i32() { return std::int32_t(u32()); }
   float f32() { return std::bit_cast<float>(u32()); }
   double f64() { return std::bit_cast<double>(big_endian<std::uint64_t>()); }
   Vec3 vec3() {
     const double x = f64(), y = f64(), z = f64();
     return {x, y, z};
   }
-  // The next `size` bytes; none when there are fewer.
+  // The next `size` bytes; empty when there are fewer.
   View raw(std::size_t size) {
     if (size > bytes_.size()) ok_ = false;
     const View taken = ok_ ? bytes_.first(size) : View();
@@ -41,8 +43,8 @@ class Reader {
   }
 
   std::size_t left() const { return bytes_.size(); }
-  bool ok() const { return ok_; }                   // nothing was read beyond the end
-  bool done() const { return ok_ && left() == 0; }  // and nothing is left over
+  bool ok() const { return ok_; }                     // nothing was read beyond the end
+  bool at_end() const { return ok_ && left() == 0; }  // and nothing is left over
 
  private:
   template <std::unsigned_integral T>
@@ -58,11 +60,11 @@ class Reader {
 
 template <std::unsigned_integral T>
 void put(Bytes& out, T value) {
-  for (int shift = 8 * (static_cast<int>(sizeof(T)) - 1); shift >= 0; shift -= 8)
-    out.push_back(static_cast<std::uint8_t>(value >> shift));
+  for (int shift = 8 * (int(sizeof(T)) - 1); shift >= 0; shift -= 8)
+    out.push_back(std::uint8_t(value >> shift));
 }
 inline void put(Bytes& out, std::int32_t value) {
-  put(out, static_cast<std::uint32_t>(value));
+  put(out, std::uint32_t(value));
 }
 inline void put(Bytes& out, float value) {
   put(out, std::bit_cast<std::uint32_t>(value));
@@ -77,20 +79,27 @@ inline void put(Bytes& out, std::string_view text) {
   out.insert(out.end(), text.begin(), text.end());
 }
 
+// Printable ASCII, whatever the locale.
+inline bool is_printable(char c) {
+  return c >= ' ' && c <= '~';
+}
+
 inline std::string_view text_of(View bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-// One VRPN message: a header of 24 bytes, then the payload, padded to a multiple of 8.
-//
-// The length in the header counts header and payload but not the padding. A message that is taken points into
-// the bytes it was taken from. Any thread. Source: the wire format as measured on running peers
-// (docs/devices.md).
+// A message is a header of 24 bytes and a payload, padded to a multiple of 8. The length in the header counts
+// header and payload but not the padding.
 
 inline constexpr int default_port = 3883;
 inline constexpr std::size_t header_size = 24;
 inline constexpr std::size_t message_limit = 64000;  // bytes, header and payload
 inline constexpr std::size_t datagram_limit = 1472;  // bytes of UDP payload
+
+// Size with padding.
+inline std::size_t padded(std::size_t size) {
+  return (size + 7) / 8 * 8;
+}
 
 // System types, in the header's type field.
 inline constexpr std::int32_t sender_description = -1;
@@ -99,7 +108,7 @@ inline constexpr std::int32_t udp_description = -3;
 inline constexpr std::int32_t log_description = -4;
 inline constexpr std::int32_t disconnect_message = -5;
 
-// Wall-clock time, as the sender saw it.
+// Wall-clock time of the sender.
 struct Stamp {
   std::int32_t seconds = 0;
   std::int32_t microseconds = 0;
@@ -109,47 +118,46 @@ struct Stamp {
 
 struct Message {
   Stamp time;
-  std::int32_t sender = 0;    // numbered by the sending side
-  std::int32_t type = 0;      // numbered by the sending side; negative: system
-  std::int32_t sequence = 0;  // receivers ignore it
+  std::int32_t sender = 0;    // id, chosen by the sending side
+  std::int32_t type = 0;      // id, chosen by the sending side; negative: system
+  std::int32_t sequence = 0;  // ignored by receivers
   View payload;
 };
 
 enum class Frame {
-  whole,    // a message was taken
-  partial,  // more bytes are needed
-  bad,      // the length cannot be believed
+  complete,  // a message
+  partial,   // more bytes are needed
+  bad,       // invalid length
 };
 
-struct Taken {
+struct ParsedMessage {
   Frame frame = Frame::partial;
-  std::size_t size = 0;  // bytes used up, with padding; of a bad frame the header alone
+  std::size_t size = 0;  // bytes consumed, with padding; only the header of a bad frame
   Message message;
 };
 
-// The first message of `bytes`.
-Taken take_message(View bytes);
+// Parses the first message of `bytes`; its payload points into them.
+ParsedMessage parse_message(View bytes);
 
-// Appends the message with its header, padded with zeros. The payload must fit the limit.
+// Appends the message with its header, padded with zeros. Must not exceed message_limit.
 void append_message(Bytes& out, const Message& message);
 
-// A stream of bytes, however the network cuts it, into messages.
+// Splits a byte stream into messages, however the network cuts it.
 //
-// A frame whose length cannot be believed costs its 24 bytes of header and counts as bad; what follows is
-// tried as a frame again, and when the stream has lost its step three bad frames come soon and the peer is
-// dropped. Holds at most one message and what one read brings. One thread.
-
+// A frame of invalid length counts as bad, and only its 24 bytes of header are skipped; parsing resumes right
+// after them, so that a stream that is out of step soon produces enough bad frames for its peer to be
+// dropped. Holds at most one message and the bytes of one read. One thread.
 class Framer {
  public:
-  // Appends bytes as they were read. Invalidates messages taken before.
+  // Appends bytes as they were read. Invalidates earlier messages.
   void feed(View bytes);
-  // The next whole message, valid until the next feed(); none when more bytes are needed.
+  // The next complete message, valid until the next feed(); none when more bytes are needed.
   std::optional<Message> next();
-  // The first `size` bytes as they are (the cookie); empty when there are fewer.
+  // The next `size` bytes unparsed (the cookie); empty when there are fewer.
   View take(std::size_t size);
 
   int bad_frames() const { return bad_frames_; }
-  // Bytes of a message that is not whole yet.
+  // Bytes of an incomplete message.
   std::size_t waiting() const { return buffer_.size() - used_; }
 
  private:
@@ -160,9 +168,9 @@ class Framer {
   int bad_frames_ = 0;
 };
 
-// The 24 bytes with which each side of a VRPN connection opens: "vrpn: ver. 07.38", two spaces, the digit of
-// the log mode that it wants of the other side, NULs. Two sides understand each other when they agree up to
-// the last '.'; another minor version is worth a warning only.
+// The cookie, the 24 bytes with which each side opens a connection: "vrpn: ver. 07.38", two spaces, a digit
+// for the log mode requested of the other side, NULs. Two sides are compatible when they agree up to the last
+// '.'; a different minor version deserves a warning only.
 
 inline constexpr std::size_t cookie_size = 24;
 
@@ -170,23 +178,20 @@ enum class CookieMatch { same, other_minor_version, not_vrpn };
 
 struct Cookie {
   CookieMatch match = CookieMatch::not_vrpn;
-  int log_mode = 0;     // 0..3; we never write log files for a peer, whatever it asks
-  std::string version;  // "07.38"; empty when it is no cookie
+  int log_mode = 0;     // 0..3; ignored: we never write log files for a peer
+  std::string version;  // "07.38"; empty for not_vrpn
 };
 
-// Ours; we never ask a peer to log.
+// Never requests logging.
 std::array<std::uint8_t, cookie_size> our_cookie();
-// `bytes` holds cookie_size bytes.
+// `bytes` must hold cookie_size bytes.
 Cookie read_cookie(View bytes);
 
-// The names by which two VRPN sides understand each other: each numbers its senders and message types as it
-// likes and tells the other the names. Here are the types we know, and the table of what a peer's numbers
-// mean.
-//
-// A peer's numbers are trusted nowhere: at most id_limit of each, names within name_limit. A number that was
-// never named means nothing (UDP data may overtake the TCP message that names its type) and is no fault.
+// Sender and type names: each side chooses its own ids and sends their names. A peer's ids are never trusted:
+// at most id_limit of each, names within name_limit. An id that was never named is ignored and is not an
+// error, as UDP data may overtake the TCP message that names its type.
 
-// Our own type ids are these values.
+// The types that we know; the values are our own ids.
 enum class Type : std::int32_t {
   ping,
   pong,
@@ -216,31 +221,31 @@ inline constexpr std::array<std::string_view, 15> type_names = {
 inline constexpr std::size_t name_limit = 100;  // bytes, with the NUL
 inline constexpr std::int32_t id_limit = 2000;
 
-// The type of that name, if we know it.
-std::optional<Type> type_named(std::string_view name);
+// The type of that name, if known.
+std::optional<Type> find_type(std::string_view name);
 
-// What a peer's ids mean.
+// The names of a peer's ids.
 class PeerNames {
  public:
-  // Both refuse an id out of range.
+  // Both return false for an id out of range.
   bool learn_sender(std::int32_t id, std::string_view name);
   bool learn_type(std::int32_t id, std::string_view name);
 
-  // Empty when the peer never named it.
+  // Empty for an id that was never named.
   std::string_view sender(std::int32_t id) const;
   std::optional<Type> type(std::int32_t id) const;
-  // In the order of the ids.
+  // In the order of their ids.
   std::vector<std::string> senders() const;
   // Whether the peer has named this type.
-  bool knows(Type type) const;
+  bool has_named(Type type) const;
 
  private:
   std::vector<std::string> senders_;
   std::vector<std::optional<Type>> types_;
 };
 
-// Payloads of the system messages that follow the cookie: names of senders and types, where a side listens
-// for UDP, what it logs. Decoders give nothing for a payload that cannot be believed.
+// Payloads of the system messages that follow the cookie: names of senders and types, the UDP port, log
+// files. Decoders return nothing for an invalid payload.
 
 // Sender and type descriptions: int32 strlen + 1, the name, NUL. 1 to name_limit - 1 printable characters.
 std::optional<std::string_view> decode_name(View payload);
@@ -250,10 +255,10 @@ void encode_name(Bytes& out, std::string_view name);
 std::optional<std::string> decode_udp_host(View payload);
 void encode_udp_host(Bytes& out, std::string_view host);
 
-// Whether a log description has the lengths it says. We never open a log for a peer.
-bool sound_log_description(View payload);
+// Whether a log description has the lengths it states. It is otherwise ignored.
+bool is_valid_log_description(View payload);
 
-// "<ip> <tcp-port>\0": by UDP request a client asks the server to dial it.
+// "<ip> <tcp-port>\0": a client's UDP request that the server connect to it.
 struct DialRequest {
   std::string host;  // letters, digits and '.'
   int port = 0;      // 1024..65535
@@ -261,7 +266,7 @@ struct DialRequest {
 std::optional<DialRequest> decode_dial_request(View datagram);
 void encode_dial_request(Bytes& out, const DialRequest& request);
 
-inline bool sound_port(std::int64_t port) {
+inline bool is_valid_port(std::int64_t port) {
   return port >= 1024 && port <= 65535;
 }
 

@@ -16,18 +16,22 @@ void put_quat(Bytes& out, const WireQuat& quat) {
   for (const double q : quat) put(out, q);
 }
 
-// int32 sensor, then 4 bytes without meaning that align what follows.
-static bool read_sensor(Reader& reader, std::int32_t& sensor) {
+namespace {
+
+// An int32 sensor, then 4 bytes of padding.
+bool read_sensor(Reader& reader, std::int32_t& sensor) {
   sensor = reader.i32();
   reader.i32();
   return reader.ok() && sensor >= 0 && sensor < sensor_limit;
 }
 
-// Running peers fill those bytes with the sensor again.
-static void put_sensor(Bytes& out, std::int32_t sensor) {
+// Running peers fill the padding with the sensor again.
+void put_sensor(Bytes& out, std::int32_t sensor) {
   put(out, sensor);
   put(out, sensor);
 }
+
+}  // namespace
 
 std::optional<PosQuat> decode_pos_quat(View payload) {
   Reader reader(payload);
@@ -35,7 +39,7 @@ std::optional<PosQuat> decode_pos_quat(View payload) {
   if (!read_sensor(reader, pose.sensor)) return std::nullopt;
   pose.position = reader.vec3();
   const auto quat = read_quat(reader);
-  if (!reader.done() || !pose.position.allFinite() || !quat) return std::nullopt;
+  if (!reader.at_end() || !pose.position.allFinite() || !quat) return std::nullopt;
   pose.quat = *quat;
   return pose;
 }
@@ -47,7 +51,7 @@ std::optional<Motion> decode_motion(View payload) {
   motion.rate = reader.vec3();
   const auto quat = read_quat(reader);
   motion.dt = reader.f64();
-  if (!reader.done() || !motion.rate.allFinite() || !quat || !std::isfinite(motion.dt)) return std::nullopt;
+  if (!reader.at_end() || !motion.rate.allFinite() || !quat || !std::isfinite(motion.dt)) return std::nullopt;
   motion.quat = *quat;
   return motion;
 }
@@ -55,7 +59,7 @@ std::optional<Motion> decode_motion(View payload) {
 std::optional<double> decode_update_rate(View payload) {
   Reader reader(payload);
   const double rate = reader.f64();
-  if (!reader.done() || !std::isfinite(rate) || rate <= 0) return std::nullopt;
+  if (!reader.at_end() || !std::isfinite(rate) || rate <= 0) return std::nullopt;
   return rate;
 }
 
@@ -73,7 +77,7 @@ void encode(Bytes& out, const Motion& motion) {
 }
 
 Quat orientation(const WireQuat& quat) {
-  // The largest component first: the norm of huge finite numbers may overflow.
+  // Scaled by the largest component first: the norm of huge finite numbers may overflow.
   double largest = 0;
   for (const double q : quat) largest = std::max(largest, std::abs(q));
   if (!(largest > 1e-6)) return Quat::Identity();
@@ -83,7 +87,7 @@ Quat orientation(const WireQuat& quat) {
 std::optional<ButtonChange> decode_button_change(View payload) {
   Reader reader(payload);
   const ButtonChange change{reader.i32(), reader.i32()};
-  if (!reader.done() || change.button < 0 || change.button >= button_limit) return std::nullopt;
+  if (!reader.at_end() || change.button < 0 || change.button >= button_limit) return std::nullopt;
   return change;
 }
 
@@ -91,8 +95,9 @@ std::optional<std::vector<std::int32_t>> decode_button_states(View payload) {
   Reader reader(payload);
   const std::int32_t count = reader.i32();
   if (!reader.ok() || count < 0 || count > button_limit) return std::nullopt;
-  if (reader.left() != 4 * static_cast<std::size_t>(count)) return std::nullopt;
-  std::vector<std::int32_t> states(static_cast<std::size_t>(count));
+  if (reader.left() != 4 * std::size_t(count)) return std::nullopt;
+  std::vector<std::int32_t> states;
+  states.resize(std::size_t(count));
   for (std::int32_t& state : states) state = reader.i32();
   return states;
 }
@@ -103,7 +108,7 @@ void encode(Bytes& out, const ButtonChange& change) {
 }
 
 void encode(Bytes& out, const std::vector<std::int32_t>& states) {
-  put(out, static_cast<std::int32_t>(states.size()));
+  put(out, std::int32_t(states.size()));
   for (const std::int32_t state : states) put(out, state);
 }
 
@@ -113,11 +118,11 @@ std::optional<Text> decode_text(View payload) {
   text.severity = reader.u32();
   text.level = reader.u32();
   const std::string_view characters = text_of(reader.raw(text_limit));
-  if (!reader.done() || text.severity > 2) return std::nullopt;
+  if (!reader.at_end() || text.severity > 2) return std::nullopt;
   text.text = characters.substr(0, characters.find('\0'));
-  // A terminal obeys control characters, and JSON wants UTF-8.
+  // Terminals obey control characters, and JSON must be UTF-8.
   std::replace_if(
-      text.text.begin(), text.text.end(), [](char c) { return c < ' ' || c > '~'; }, ' ');
+      text.text.begin(), text.text.end(), [](char c) { return !is_printable(c); }, ' ');
   return text;
 }
 

@@ -1,5 +1,7 @@
-// Payloads of tracker messages. Decoders give nothing for a wrong size, a sensor out of range, or a number
-// that is not finite. Metres, seconds; quaternions are x y z w as sent, not normalised.
+// Payloads of tracker, button and text messages.
+//
+// Decoders return nothing for a wrong size, a sensor or button out of range, or a number that is not finite.
+// Metres, seconds; quaternions are x y z w as sent, not normalised.
 #pragma once
 
 #include <array>
@@ -19,7 +21,7 @@ struct PosQuat {
   WireQuat quat = {0, 0, 0, 1};
 };
 
-// Velocity and acceleration have one layout: the rotation is the one made in `dt`.
+// Payload of velocity and of acceleration; `quat` is the rotation in `dt`.
 struct Motion {
   std::int32_t sensor = 0;
   Vec3 rate = Vec3::Zero();  // m/s or m/s²
@@ -29,20 +31,18 @@ struct Motion {
 
 std::optional<PosQuat> decode_pos_quat(View payload);
 std::optional<Motion> decode_motion(View payload);
-// Reports a second, greater than zero.
+// Reports per second, greater than zero.
 std::optional<double> decode_update_rate(View payload);
 
 void encode(Bytes& out, const PosQuat& pose);
 void encode(Bytes& out, const Motion& motion);
 
-// Unit; identity when the peer sent none worth the name (a tracker of positions only may send zeros).
+// Normalised; identity for a quaternion of (nearly) zero, as position-only trackers send.
 Quat orientation(const WireQuat& quat);
 
-// Of any message's payload.
+// Part of several payloads.
 std::optional<WireQuat> read_quat(Reader& reader);
 void put_quat(Bytes& out, const WireQuat& quat);
-
-// Payloads of button messages. Decoders give nothing for a wrong size or a button out of range.
 
 inline constexpr std::int32_t button_limit = 256;
 
@@ -52,25 +52,24 @@ struct ButtonChange {
 };
 
 std::optional<ButtonChange> decode_button_change(View payload);
-// The state of each button.
+// The states of all buttons.
 std::optional<std::vector<std::int32_t>> decode_button_states(View payload);
 
 void encode(Bytes& out, const ButtonChange& change);
 void encode(Bytes& out, const std::vector<std::int32_t>& states);
 
-// Payload of a text message: what a device wants its user to read. Severity 0 normal, 1 warning, 2 error.
-
 inline constexpr std::size_t text_limit = 1024;  // bytes, with the NUL
 
+// A message for the device's user.
 struct Text {
-  std::uint32_t severity = 0;
+  std::uint32_t severity = 0;  // 0 normal, 1 warning, 2 error
   std::uint32_t level = 0;
-  std::string text;  // up to its first NUL; all but printable ASCII become spaces
+  std::string text;  // up to its first NUL; characters other than printable ASCII become spaces
 };
 
-// Nothing for a wrong size or an unknown severity.
+// Also nothing for an unknown severity.
 std::optional<Text> decode_text(View payload);
-// Cuts what is too long.
+// Truncates the text to text_limit.
 void encode(Bytes& out, const Text& text);
 
 }  // namespace intaglio::haptics::vrpn

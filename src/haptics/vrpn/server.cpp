@@ -13,69 +13,78 @@
 
 namespace intaglio::haptics::vrpn {
 
-static constexpr double lap = 4;               // s
-static constexpr double lasting = 12 * 3600;   // s
-static constexpr double velocity_cutoff = 60;  // Hz
+namespace {
+
+constexpr double lap_time = 4;               // s
+constexpr double path_duration = 12 * 3600;  // s
+constexpr double velocity_cutoff = 60;       // Hz
 
 // A circle of 3 cm, from 2 cm above the middle of the workspace to 1 cm below.
-static std::vector<Waypoint> laps() {
+std::vector<Waypoint> circular_path() {
   std::vector<Waypoint> path;
-  for (int k = 0; k * lap / 8 <= lasting; ++k) {
+  for (int k = 0; k * lap_time / 8 <= path_duration; ++k) {
     const double angle = k * std::numbers::pi / 4;
-    path.push_back({k * lap / 8,
+    path.push_back({k * lap_time / 8,
                     {0.03 * elementary::cos(angle), 0.005 + 0.015 * elementary::cos(angle),
                      0.03 * elementary::sin(angle)}});
   }
   return path;
 }
 
+}  // namespace
+
 ServedPhantom::ServedPhantom(const PhantomOptions& options)
     : options_(options),
-      device_(options.model, options.hand, options.path.empty() ? laps() : options.path),
+      device_(options.model, options.hand, options.path.empty() ? circular_path() : options.path),
       guard_(options.limits),
-      asked_(options.units) {
+      requested_(options.units) {
   state_.position = device_.read();
 }
 
-void ServedPhantom::tick(double dt, Time now) {
-  if (asked_.any() && std::chrono::duration<double>(now - asked_at_).count() > options_.silence) release();
+void ServedPhantom::tick(double dt, SteadyTime now) {
+  if (requested_.is_active() && std::chrono::duration<double>(now - requested_at_).count() > options_.silence)
+    release();
   const Vec3 position = device_.read();
   const double keep = elementary::exp(-2 * std::numbers::pi * velocity_cutoff * dt);
   state_.velocity = keep * state_.velocity + (1 - keep) * (position - state_.position) / dt;
   state_.position = position;
-  state_.contact = asked_.contact(position);
-  const Vec3 wanted = asked_.newtons(position, state_.velocity);
-  state_.too_much = wanted.norm() > options_.limits.peak_force;
+  state_.contact = requested_.contact(position);
+  const Vec3 wanted = requested_.newtons(position, state_.velocity);
+  state_.over_limit = wanted.norm() > options_.limits.peak_force;
   const GuardedForce guarded = guard_.pass(wanted, dt);
   state_.force = guarded.newtons();
   device_.write(guarded);
   device_.advance(dt);
-  // The hand holds the first button for the third quarter of each lap.
-  state_.buttons[0] =
-      std::fmod(device_.time(), lap) >= lap / 2 && std::fmod(device_.time(), lap) < 0.75 * lap;
+  // The hand presses the first button in the third quarter of each lap.
+  state_.buttons[0] = std::fmod(device_.time(), lap_time) >= lap_time / 2 &&
+                      std::fmod(device_.time(), lap_time) < 0.75 * lap_time;
 }
 
 using std::chrono::nanoseconds;
 using std::chrono::steady_clock;
 
-static constexpr std::chrono::milliseconds tick_period{1};
-static constexpr int most_ticks_a_step =
-    20;  // behind by more, the phantom loses time rather than the deadline
-static constexpr std::chrono::seconds dial_patience{3};
-static constexpr double fastest_reports = 1000, slowest_reports = 1;  // Hz
+namespace {
 
-static nanoseconds period_of(double rate) {
-  return nanoseconds(static_cast<std::int64_t>(1e9 / std::clamp(rate, slowest_reports, fastest_reports)));
+constexpr std::chrono::milliseconds tick_period{1};
+// Beyond this delay the simulation loses time instead of its deadlines.
+constexpr int max_ticks_per_step = 20;
+constexpr std::chrono::seconds dial_patience{3};
+constexpr double fastest_reports = 1000, slowest_reports = 1;  // Hz
+
+nanoseconds period_of(double rate) {
+  return nanoseconds(std::int64_t(1e9 / std::clamp(rate, slowest_reports, fastest_reports)));
 }
 
-// TCP and UDP on one port; when any will do, one that is free for both.
-Linked<std::unique_ptr<Server>> Server::open(const ServerOptions& options) {
-  const Linked<Ipv4> at = resolve(options.bind, options.port);
+}  // namespace
+
+// TCP and UDP share a port; without a given one, tries for a port that is free for both.
+LinkResult<std::unique_ptr<Server>> Server::open(const ServerOptions& options) {
+  const LinkResult<Ipv4> at = resolve(options.bind, options.port);
   if (!at) return tl::unexpected(at.error());
   for (int attempt = 0;; ++attempt) {
-    Linked<Socket> tcp = listen_tcp(*at);
+    LinkResult<Socket> tcp = listen_tcp(*at);
     if (!tcp) return tl::unexpected(tcp.error());
-    Linked<Socket> udp = bind_udp({at->host, local_address(*tcp).port});
+    LinkResult<Socket> udp = bind_udp({at->host, local_address(*tcp).port});
     if (udp)
       return std::unique_ptr<Server>(
           new Server(options, std::move(*tcp), std::move(*udp), steady_clock::now()));
@@ -99,26 +108,25 @@ void Server::run(const std::atomic<bool>& stopped) {
 }
 
 void Server::step(SteadyTime now) {
-  take_calls(now);
-  take_requests(now);
+  accept_calls(now);
+  read_dial_requests(now);
   finish_dials(now);
-  for (int k = 0; k < most_ticks_a_step && next_tick_ <= now; ++k) tick(next_tick_);
+  for (int k = 0; k < max_ticks_per_step && next_tick_ <= now; ++k) tick(next_tick_);
   if (next_tick_ <= now) next_tick_ = now + tick_period;
-  for (Peer& peer : peers_) talk(peer, now);
-  bury();
+  for (Peer& peer : peers_) service(peer, now);
+  remove_dead_peers();
 }
 
-void Server::take_calls(SteadyTime now) {
-  while (auto call = accept_tcp(tcp_)) admit(std::move(call->socket), call->peer, false, now);
+void Server::accept_calls(SteadyTime now) {
+  while (auto call = accept_tcp(tcp_)) add_peer(std::move(call->socket), call->peer, false, now);
 }
 
-void Server::admit(Socket socket, const Ipv4& peer, bool udp, SteadyTime now) {
+void Server::add_peer(Socket socket, const Ipv4& peer, bool udp, SteadyTime now) {
   if (full()) {
-    // At most a line a second, however many call.
-    if (now - last_turned_away_ > std::chrono::seconds(1))
-      options_.log(
-          fmt::format("{}: turned away, {} clients are the limit", peer.text(), options_.max_clients));
-    last_turned_away_ = now;
+    // At most one line per second.
+    if (now - last_rejected_ > std::chrono::seconds(1))
+      options_.log(fmt::format("{}: rejected: limit of {} clients", peer.text(), options_.max_clients));
+    last_rejected_ = now;
     return;
   }
   peers_.push_back(
@@ -128,15 +136,14 @@ void Server::admit(Socket socket, const Ipv4& peer, bool udp, SteadyTime now) {
        peer.text(), now, period_of(options_.report_rate)});
 }
 
-void Server::take_requests(SteadyTime now) {
+void Server::read_dial_requests(SteadyTime now) {
   std::array<std::uint8_t, datagram_limit> bytes;
   for (int k = 0; k < 16; ++k) {
     const auto datagram = receive(udp_, bytes);
     if (!datagram) return;
     const auto request = decode_dial_request(datagram->bytes);
     if (!request) continue;
-    // We call back who asked, and nobody else at his word. A program on this machine may know it by another
-    // address.
+    // Connect back only to the requester. A program on this machine may know the machine by another address.
     const auto to = request->host == "localhost" ? std::optional(Ipv4{loopback_host, request->port})
                                                  : parse_ipv4(request->host, request->port);
     if (to && (to->host == datagram->from.host || datagram->from.loopback())) dial(*to, now);
@@ -145,12 +152,12 @@ void Server::take_requests(SteadyTime now) {
 
 void Server::dial(const Ipv4& to, SteadyTime now) {
   const auto same = [&](const Ipv4& other) { return other.host == to.host && other.port == to.port; };
-  // Clients ask once a second until we have called.
+  // Clients repeat their request every second until we connect.
   for (const Dial& dialling : dials_)
     if (same(dialling.peer)) return;
   for (const Peer& peer : peers_)
     if (same(peer.connection.peer())) return;
-  if (full()) return admit({}, to, true, now);
+  if (full()) return add_peer({}, to, true, now);
   const std::uint32_t ours = local_address(udp_).host;
   if (auto socket = dial_tcp(to, ours)) dials_.push_back({std::move(*socket), to, now});
 }
@@ -166,47 +173,47 @@ void Server::finish_dials(SteadyTime now) {
     }
     Dial done = std::move(*dialling);
     dialling = dials_.erase(dialling);
-    if (connected) admit(std::move(done.socket), done.peer, true, now);
+    if (connected) add_peer(std::move(done.socket), done.peer, true, now);
   }
 }
 
 void Server::tick(SteadyTime now) {
   phantom_.tick(std::chrono::duration<double>(tick_period).count(), now);
   next_tick_ += tick_period;
-  if (!phantom_.held()) holder_ = nullptr;
-  tell_buttons();
-  tell_too_much();
+  if (!phantom_.is_held()) holder_ = nullptr;
+  broadcast_buttons();
+  report_over_limit();
 }
 
-void Server::tell_buttons() {
+void Server::broadcast_buttons() {
   const auto& buttons = phantom_.state().buttons;
   for (std::size_t k = 0; k < buttons.size(); ++k) {
     if (buttons[k] == buttons_[k]) continue;
     Bytes payload;
-    encode(payload, ButtonChange{static_cast<std::int32_t>(k), buttons[k]});
+    encode(payload, ButtonChange{std::int32_t(k), buttons[k]});
     for (Peer& peer : peers_)
       peer.connection.send(Type::button_change, device_sender, payload, Channel::reliable);
   }
   buttons_ = buttons;
 }
 
-void Server::tell_too_much() {
-  const bool too_much = phantom_.state().too_much;
-  if (holder_ && too_much != too_much_) {
+void Server::report_over_limit() {
+  const bool over_limit = phantom_.state().over_limit;
+  if (holder_ && over_limit != over_limit_) {
     Bytes payload;
-    encode(payload, too_much ? ForceError::force_too_high : ForceError::ok);
+    encode(payload, over_limit ? ForceError::force_too_high : ForceError::ok);
     holder_->connection.send(Type::force_error, device_sender, payload, Channel::reliable);
   }
-  too_much_ = too_much;
+  over_limit_ = over_limit;
 }
 
-void Server::talk(Peer& peer, SteadyTime now) {
+void Server::service(Peer& peer, SteadyTime now) {
   if (peer.welcomed && peer.next_report <= now) {
     peer.next_report = std::max(peer.next_report + peer.report_period, now);
     report(peer);
   }
-  peer.connection.step(now, [&](const Received& received) { return hear(peer, received, now); });
-  if (peer.connection.greeted() && !peer.welcomed) {
+  peer.connection.step(now, [&](const Received& received) { return handle(peer, received, now); });
+  if (peer.connection.is_established() && !peer.welcomed) {
     peer.welcomed = true;
     peer.next_report = now;
     send_buttons(peer);
@@ -239,7 +246,7 @@ void Server::send_buttons(Peer& peer) {
   peer.connection.send(Type::button_states, device_sender, payload, Channel::reliable);
 }
 
-bool Server::hear(Peer& peer, const Received& received, SteadyTime now) {
+bool Server::handle(Peer& peer, const Received& received, SteadyTime now) {
   if (received.sender != options_.name) return true;
   switch (received.type) {
     case Type::ping:
@@ -252,11 +259,11 @@ bool Server::hear(Peer& peer, const Received& received, SteadyTime now) {
       return rate.has_value();
     }
     case Type::force:
-      return ask(peer, decode_force(received.payload), now);
+      return request(peer, decode_force(received.payload), now);
     case Type::plane:
-      return ask(peer, decode_plane(received.payload), now);
+      return request(peer, decode_plane(received.payload), now);
     case Type::force_field:
-      return ask(peer, decode_force_field(received.payload), now);
+      return request(peer, decode_force_field(received.payload), now);
     case Type::plane2:
       return decode_plane_effects(received.payload).has_value();
     default:
@@ -264,25 +271,25 @@ bool Server::hear(Peer& peer, const Received& received, SteadyTime now) {
   }
 }
 
-template <class Asked>
-bool Server::ask(Peer& peer, const std::optional<Asked>& asked, SteadyTime now) {
-  if (!asked) return false;
+template <class Request>
+bool Server::request(Peer& peer, const std::optional<Request>& requested, SteadyTime now) {
+  if (!requested) return false;
   ++force_messages_;
   if (holder_ && holder_ != &peer) {
-    if (!peer.told_busy) {
+    if (!peer.was_told_busy) {
       Bytes payload;
-      encode(payload, Text{1, 0, "another client holds the force; yours is left out until it lets go"});
+      encode(payload, Text{1, 0, "another client controls the force; yours is ignored until it releases it"});
       peer.connection.send(Type::text, device_sender, payload, Channel::reliable);
     }
-    peer.told_busy = true;
+    peer.was_told_busy = true;
     return true;
   }
-  phantom_.ask(*asked, now);
-  holder_ = phantom_.held() ? &peer : nullptr;
+  phantom_.request(*requested, now);
+  holder_ = phantom_.is_held() ? &peer : nullptr;
   return true;
 }
 
-void Server::bury() {
+void Server::remove_dead_peers() {
   for (auto peer = peers_.begin(); peer != peers_.end();) {
     const LinkFault fault = peer->connection.fault();
     if (fault == LinkFault::none) {
@@ -290,7 +297,7 @@ void Server::bury() {
       continue;
     }
     if (fault == LinkFault::bad_frames) ++dropped_for_bad_frames_;
-    options_.log(fmt::format("{}: {}", peer->name, meaning(fault)));
+    options_.log(fmt::format("{}: {}", peer->name, describe(fault)));
     if (holder_ == &*peer) {
       holder_ = nullptr;
       phantom_.release();

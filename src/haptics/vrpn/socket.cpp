@@ -10,11 +10,17 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
+#include <condition_variable>
 #include <cstring>
+#include <memory>
+#include <mutex>
+#include <system_error>
+#include <thread>
 
 namespace intaglio::haptics::vrpn {
 
-std::string_view meaning(LinkFault fault) {
+std::string_view describe(LinkFault fault) {
   switch (fault) {
     case LinkFault::none:
       return "linked";
@@ -25,15 +31,15 @@ std::string_view meaning(LinkFault fault) {
     case LinkFault::timed_out:
       return "no answer";
     case LinkFault::not_vrpn:
-      return "this is not a VRPN peer of version 07";
+      return "not a VRPN peer of version 07";
     case LinkFault::closed:
       return "the peer closed the link";
     case LinkFault::bad_frames:
-      return "dropped after three bad frames";
+      return "dropped after three malformed frames";
     case LinkFault::too_slow:
       return "dropped: a message took too long to arrive";
     case LinkFault::not_reading:
-      return "dropped: the peer does not read what it is sent";
+      return "dropped: the peer does not read its socket";
     case LinkFault::port_taken:
       return "the port is taken";
     case LinkFault::stopped:
@@ -46,19 +52,21 @@ Socket::~Socket() {
   if (fd_ >= 0) ::close(fd_);
 }
 
-static sockaddr_in address_of(const Ipv4& at) {
+namespace {
+
+sockaddr_in address_of(const Ipv4& at) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_addr.s_addr = htonl(at.host);
-  address.sin_port = htons(static_cast<std::uint16_t>(at.port));
+  address.sin_port = htons(std::uint16_t(at.port));
   return address;
 }
 
-static Ipv4 ipv4_of(const sockaddr_in& address) {
+Ipv4 ipv4_of(const sockaddr_in& address) {
   return {ntohl(address.sin_addr.s_addr), ntohs(address.sin_port)};
 }
 
-static LinkFault fault_of(int error) {
+LinkFault fault_of(int error) {
   switch (error) {
     case 0:
     case EAGAIN:
@@ -78,31 +86,33 @@ static LinkFault fault_of(int error) {
   }
 }
 
-static tl::unexpected<LinkFailure> failed(const Ipv4& at) {
+tl::unexpected<LinkError> failed(const Ipv4& at) {
   const int error = errno;
   const LinkFault fault = fault_of(error);
-  return link_failure(fault, at.text(), fault == LinkFault::unreachable ? std::strerror(error) : "");
+  return link_error(fault, at.text(), fault == LinkFault::unreachable ? std::strerror(error) : "");
 }
 
-static Socket open_socket(int type) {
+Socket open_socket(int type) {
   return Socket(::socket(AF_INET, type | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
 }
 
-static bool bind_to(const Socket& socket, const Ipv4& at) {
+bool bind_to(const Socket& socket, const Ipv4& at) {
   const sockaddr_in address = address_of(at);
   return ::bind(socket.fd(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
 }
 
-static bool connect_to(const Socket& socket, const Ipv4& to) {
+bool connect_to(const Socket& socket, const Ipv4& to) {
   const sockaddr_in address = address_of(to);
   return ::connect(socket.fd(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 ||
          errno == EINPROGRESS;
 }
 
-static void set(const Socket& socket, int level, int option) {
+void set(const Socket& socket, int level, int option) {
   const int on = 1;
   ::setsockopt(socket.fd(), level, option, &on, sizeof on);
 }
+
+}  // namespace
 
 std::string Ipv4::host_text() const {
   return fmt::format("{}.{}.{}.{}", host >> 24, host >> 16 & 255, host >> 8 & 255, host & 255);
@@ -118,7 +128,7 @@ std::optional<Ipv4> parse_ipv4(const std::string& host, int port) {
   return Ipv4{ntohl(number.s_addr), port};
 }
 
-Linked<Ipv4> resolve(const std::string& host, int port) {
+LinkResult<Ipv4> resolve(const std::string& host, int port) {
   if (const auto number = parse_ipv4(host, port)) return *number;
   addrinfo hints{};
   hints.ai_family = AF_INET;
@@ -126,34 +136,68 @@ Linked<Ipv4> resolve(const std::string& host, int port) {
   addrinfo* found = nullptr;
   const int error = ::getaddrinfo(host.c_str(), nullptr, &hints, &found);
   if (error != 0 || !found)
-    return link_failure(LinkFault::unreachable, host,
-                        fmt::format("no IPv4 address: {}", ::gai_strerror(error)));
+    return link_error(LinkFault::unreachable, host,
+                      fmt::format("no IPv4 address: {}", ::gai_strerror(error)));
   sockaddr_in address{};
   std::memcpy(&address, found->ai_addr, sizeof address);
   ::freeaddrinfo(found);
   return Ipv4{ntohl(address.sin_addr.s_addr), port};
 }
 
-Linked<Socket> listen_tcp(const Ipv4& at) {
+namespace {
+
+// Shared by the thread that looks a name up and the thread that waits for the answer.
+struct Lookup {
+  std::mutex mutex;
+  std::condition_variable answered;
+  std::optional<LinkResult<Ipv4>> answer;
+};
+
+}  // namespace
+
+LinkResult<Ipv4> resolve_unless(const std::atomic<bool>* stopped, const std::string& host, int port,
+                                const Resolver& resolver) {
+  if (const auto number = parse_ipv4(host, port)) return *number;
+  const auto lookup = std::make_shared<Lookup>();
+  try {
+    std::thread thread([lookup, host, port, resolver] {
+      LinkResult<Ipv4> answer = resolver(host, port);
+      const std::lock_guard lock(lookup->mutex);
+      lookup->answer = std::move(answer);
+      lookup->answered.notify_one();
+    });
+    thread.detach();  // Process-wide: a lookup cannot be cancelled; this thread may outlive its caller
+  } catch (const std::system_error& error) {
+    return link_error(LinkFault::unreachable, host, fmt::format("no thread to look it up: {}", error.what()));
+  }
+  std::unique_lock lock(lookup->mutex);
+  while (!lookup->answer) {
+    if (stopped && *stopped) return link_error(LinkFault::stopped, host);
+    lookup->answered.wait_for(lock, std::chrono::milliseconds(20));
+  }
+  return *lookup->answer;
+}
+
+LinkResult<Socket> listen_tcp(const Ipv4& at) {
   Socket socket = open_socket(SOCK_STREAM);
   set(socket, SOL_SOCKET, SO_REUSEADDR);
   if (!socket || !bind_to(socket, at) || ::listen(socket.fd(), 16) != 0) return failed(at);
   return socket;
 }
 
-Linked<Socket> bind_udp(const Ipv4& at) {
+LinkResult<Socket> bind_udp(const Ipv4& at) {
   Socket socket = open_socket(SOCK_DGRAM);
   if (!socket || !bind_to(socket, at)) return failed(at);
   return socket;
 }
 
-Linked<Socket> connect_udp(const Ipv4& to) {
+LinkResult<Socket> connect_udp(const Ipv4& to) {
   Socket socket = open_socket(SOCK_DGRAM);
   if (!socket || !connect_to(socket, to)) return failed(to);
   return socket;
 }
 
-Linked<Socket> dial_tcp(const Ipv4& to, std::uint32_t from_host) {
+LinkResult<Socket> dial_tcp(const Ipv4& to, std::uint32_t from_host) {
   Socket socket = open_socket(SOCK_STREAM);
   set(socket, IPPROTO_TCP, TCP_NODELAY);
   if (!socket || (from_host != 0 && !bind_to(socket, {from_host, 0})) || !connect_to(socket, to))
@@ -201,12 +245,12 @@ std::optional<Datagram> receive(const Socket& udp, std::span<std::uint8_t> buffe
   const ssize_t size =
       ::recvfrom(udp.fd(), buffer.data(), buffer.size(), 0, reinterpret_cast<sockaddr*>(&from), &from_size);
   if (size < 0) return std::nullopt;
-  return Datagram{buffer.first(static_cast<std::size_t>(size)), ipv4_of(from)};
+  return Datagram{buffer.first(std::size_t(size)), ipv4_of(from)};
 }
 
 void wait_for(const Socket& first, const Socket& second, bool first_writable, std::int64_t nanoseconds) {
-  // poll() leaves out negative descriptors.
-  pollfd polled[2] = {{first.fd(), static_cast<short>(POLLIN | (first_writable ? POLLOUT : 0)), 0},
+  // poll() ignores negative descriptors.
+  pollfd polled[2] = {{first.fd(), short(POLLIN | (first_writable ? POLLOUT : 0)), 0},
                       {second.fd(), POLLIN, 0}};
   const timespec patience{nanoseconds / 1000000000, nanoseconds % 1000000000};
   ::ppoll(polled, 2, &patience, nullptr);

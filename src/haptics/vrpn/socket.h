@@ -1,7 +1,9 @@
-// Why a link is not there, or no longer.
+// IPv4 sockets that never block: the few calls that VRPN needs; and the faults of a link.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -11,39 +13,38 @@
 
 namespace intaglio::haptics::vrpn {
 
+// Why a link is down.
 enum class LinkFault {
   none,
-  unreachable,  // no such host, or no way to it
-  refused,      // the host has nobody at that port
+  unreachable,  // host not found, or no route
+  refused,      // no listener at that port
   timed_out,    // no answer
-  not_vrpn,     // somebody answers, in another language
+  not_vrpn,     // the peer does not speak VRPN
   closed,       // the peer ended the link
-  bad_frames,   // three of the peer's frames could not be believed
-  too_slow,     // a message or a cookie took the peer too long
-  not_reading,  // what we send piles up
+  bad_frames,   // three malformed frames
+  too_slow,     // a message or a cookie took too long to arrive
+  not_reading,  // the peer does not read its socket
   port_taken,   // another program serves that port
-  stopped,      // we were asked to stop
+  stopped,      // by our caller
 };
 
-std::string_view meaning(LinkFault fault);
+std::string_view describe(LinkFault fault);
 
-// For people and for exit codes.
-struct LinkFailure {
+// The error is for people, the fault for exit codes.
+struct LinkError {
   LinkFault fault = LinkFault::none;
   Error error;
 };
 
 template <class T>
-using Linked = tl::expected<T, LinkFailure>;
+using LinkResult = tl::expected<T, LinkError>;
 
-inline tl::unexpected<LinkFailure> link_failure(LinkFault fault, std::string where, std::string fix = {}) {
-  return tl::unexpected<LinkFailure>(
-      LinkFailure{fault, Error{std::move(where), std::string(meaning(fault)), std::move(fix)}});
+inline tl::unexpected<LinkError> link_error(LinkFault fault, std::string where, std::string fix = {}) {
+  return tl::unexpected<LinkError>(
+      LinkError{fault, Error{std::move(where), std::string(describe(fault)), std::move(fix)}});
 }
 
-// IPv4 sockets that never block: the few calls that VRPN needs. A Socket closes itself. Any thread; one
-// socket, one thread at a time.
-
+// Closes itself. Any thread, one at a time.
 class Socket {
  public:
   Socket() = default;
@@ -70,21 +71,35 @@ struct Ipv4 {
 
   std::string host_text() const;  // "127.0.0.1"
   std::string text() const;       // "127.0.0.1:3883"
-  // Reached from this machine alone.
+  // Reachable from this machine only.
   bool loopback() const { return host >> 24 == 127; }
 };
 
-// By name or number; may ask the name service, and then blocks.
-Linked<Ipv4> resolve(const std::string& host, int port);
 // A number only; never blocks.
 std::optional<Ipv4> parse_ipv4(const std::string& host, int port);
+// A name or a number. Blocks for as long as the name service takes, which may be half a minute.
+LinkResult<Ipv4> resolve(const std::string& host, int port);
 
-Linked<Socket> listen_tcp(const Ipv4& at);
-Linked<Socket> bind_udp(const Ipv4& at);
-// Sends to and hears from `to` only.
-Linked<Socket> connect_udp(const Ipv4& to);
-// Starts to connect; writable means connected or failed: ask pending_fault().
-Linked<Socket> dial_tcp(const Ipv4& to, std::uint32_t from_host = 0);
+// Returns an address for a host, as resolve() does; may block. Must not refer to anything that can be
+// destroyed while it runs.
+using Resolver = std::function<LinkResult<Ipv4>(const std::string& host, int port)>;
+
+// Runs `resolver` until it answers, or until 20 ms after `stopped` is set (nullptr: never) at the latest.
+//
+// getaddrinfo() cannot be cancelled, and a thread that is in it must not be joined by a caller that has to
+// return soon, such as a device's destructor in a window's thread. Names are therefore looked up on a
+// detached thread. It owns copies of everything it uses and shares its result with the caller by a
+// shared_ptr, so that an abandoned lookup refers to nothing of the caller's; it ends when the name service
+// answers or gives up.
+LinkResult<Ipv4> resolve_unless(const std::atomic<bool>* stopped, const std::string& host, int port,
+                                const Resolver& resolver = resolve);
+
+LinkResult<Socket> listen_tcp(const Ipv4& at);
+LinkResult<Socket> bind_udp(const Ipv4& at);
+// Sends to and receives from `to` only.
+LinkResult<Socket> connect_udp(const Ipv4& to);
+// Starts to connect; once writable it has connected or failed: see pending_fault().
+LinkResult<Socket> dial_tcp(const Ipv4& to, std::uint32_t from_host = 0);
 LinkFault pending_fault(const Socket& socket);
 bool is_connected(const Socket& socket);
 
@@ -95,17 +110,18 @@ struct Accepted {
 std::optional<Accepted> accept_tcp(const Socket& listener);
 Ipv4 local_address(const Socket& socket);
 
-// To where a UDP socket is connected. Refused when an earlier one met a closed port.
+// To the address that a UDP socket is connected to. `refused` when an earlier datagram met a closed port.
 LinkFault send_datagram(const Socket& udp, View bytes);
 
 struct Datagram {
-  View bytes;  // of the buffer that was lent
+  View bytes;  // in the caller's buffer
   Ipv4 from;
 };
-// The next datagram that has come, cut to the buffer; none when none has.
+// The next datagram received, truncated to the buffer; none when there is none.
 std::optional<Datagram> receive(const Socket& udp, std::span<std::uint8_t> buffer);
 
-// Waits until one of two sockets can be read (or the first be written, when asked); either may be absent.
+// Waits until one of two sockets is readable, or the first is writable if `first_writable`; either may be
+// absent.
 void wait_for(const Socket& first, const Socket& second, bool first_writable, std::int64_t nanoseconds);
 
 }  // namespace intaglio::haptics::vrpn

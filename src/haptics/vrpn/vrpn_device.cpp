@@ -6,14 +6,18 @@
 
 namespace intaglio::haptics::vrpn {
 
-static constexpr std::chrono::microseconds link_period{500};
-static constexpr std::chrono::milliseconds redial_period{1000};
+namespace {
 
-static std::int64_t steady_now() {
+constexpr std::chrono::microseconds link_period{500};
+constexpr std::chrono::milliseconds redial_period{1000};
+
+std::int64_t steady_now() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::steady_clock::now().time_since_epoch())
       .count();
 }
+
+}  // namespace
 
 VrpnDevice::VrpnDevice(const Address& address, const VrpnDeviceOptions& options)
     : address_(address), options_(options) {
@@ -28,13 +32,12 @@ VrpnDevice::~VrpnDevice() {
 
 double VrpnDevice::silent_for() const {
   const std::int64_t at = heard_at_.load(std::memory_order_acquire);
-  return at < 0 ? std::numeric_limits<double>::infinity() : 1e-9 * static_cast<double>(steady_now() - at);
+  return at < 0 ? std::numeric_limits<double>::infinity() : 1e-9 * double(steady_now() - at);
 }
 
 Vec3 VrpnDevice::read() {
   if (!(silent_for() <= options_.silence)) return Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
-  heard_.update();
-  last_tip_ = heard_.value().position;
+  last_tip_ = heard_.fetch().position;
   return last_tip_;
 }
 
@@ -51,12 +54,12 @@ bool VrpnDevice::wait_for_link(std::chrono::milliseconds patience) const {
   return true;
 }
 
-LinkFailure VrpnDevice::last_failure() const {
+LinkError VrpnDevice::last_failure() const {
   const std::lock_guard lock(failure_mutex_);
   return failure_;
 }
 
-void VrpnDevice::remember(const LinkFailure& failure) {
+void VrpnDevice::record_failure(const LinkError& failure) {
   const std::lock_guard lock(failure_mutex_);
   failure_ = failure;
 }
@@ -66,9 +69,9 @@ void VrpnDevice::run() {
     auto client = Client::connect(address_, options_.client);
     if (client) {
       serve(**client);
-      remember({(*client)->fault(), {address_.text(), std::string(meaning((*client)->fault())), ""}});
+      record_failure({(*client)->fault(), {address_.text(), std::string(describe((*client)->fault())), ""}});
     } else {
-      remember(client.error());
+      record_failure(client.error());
     }
     const auto redial = std::chrono::steady_clock::now() + redial_period;
     while (!stopped_ && std::chrono::steady_clock::now() < redial)
@@ -78,19 +81,18 @@ void VrpnDevice::run() {
 
 void VrpnDevice::serve(Client& client) {
   holding_ = plane_started_ = false;
-  wanted_.update();
-  forwarded_ = wanted_.value().time;  // what was written before the link was there is out of date
+  forwarded_ = wanted_.fetch().time;  // a force written before the link was up is out of date
   while (!stopped_ && client.fault() == LinkFault::none) {
-    client.step(link_period, [this](const Received& received) { return hear(received); });
+    client.step(link_period, [this](const Received& received) { return handle(received); });
     forward(client);
   }
   heard_at_.store(-1, std::memory_order_release);
   buttons_ = 0;
-  if (holding_) let_go(client);
+  if (holding_) release(client);
   client.step({}, [](const Received&) { return true; });
 }
 
-bool VrpnDevice::hear(const Received& received) {
+bool VrpnDevice::handle(const Received& received) {
   if (received.type == Type::pos_quat) {
     const auto pose = decode_pos_quat(received.payload);
     if (!pose) return false;
@@ -106,7 +108,7 @@ bool VrpnDevice::hear(const Received& received) {
   };
   if (received.type == Type::button_change) {
     const auto change = decode_button_change(received.payload);
-    if (change) press(static_cast<std::size_t>(change->button), change->state != 0);
+    if (change) press(std::size_t(change->button), change->state != 0);
     return change.has_value();
   }
   if (received.type == Type::button_states) {
@@ -114,17 +116,17 @@ bool VrpnDevice::hear(const Received& received) {
     for (std::size_t k = 0; states && k < states->size(); ++k) press(k, (*states)[k] != 0);
     return states.has_value();
   }
-  // Nothing else is needed; drivers are known to send reports of contact with numbers that were never set.
+  // Other messages are ignored unchecked: drivers are known to send contact points with uninitialised
+  // numbers.
   return true;
 }
 
 void VrpnDevice::forward(Client& client) {
-  wanted_.update();
-  const Wanted& wanted = wanted_.value();
-  const bool stale = 1e-9 * static_cast<double>(steady_now() - wanted.time) > options_.silence;
+  const Wanted& wanted = wanted_.fetch();
+  const bool stale = 1e-9 * double(steady_now() - wanted.time) > options_.silence;
   const bool lost = !(silent_for() <= options_.silence);
   if (stale || lost || wanted.force.isZero(0)) {
-    if (holding_) let_go(client);
+    if (holding_) release(client);
     return;
   }
   if (wanted.time == forwarded_) return;
@@ -135,12 +137,12 @@ void VrpnDevice::forward(Client& client) {
 
 void VrpnDevice::display(Client& client, const Wanted& wanted) {
   Bytes payload;
-  if (options_.force_by == ForceBy::force) {
+  if (options_.force_mode == ForceMode::force) {
     encode(payload, ForceReport{wanted.force});
     client.send(Type::force, payload, Channel::low_latency);
     return;
   }
-  if (options_.force_by == ForceBy::field) {
+  if (options_.force_mode == ForceMode::field) {
     ForceField field;
     field.origin = wanted.tip.cast<float>();
     field.force = wanted.force.cast<float>();
@@ -149,18 +151,18 @@ void VrpnDevice::display(Client& client, const Wanted& wanted) {
     client.send(Type::force_field, payload, Channel::low_latency);
     return;
   }
-  // The tip is as deep behind the plane as the spring asks for this force.
+  // Place the plane so far in front of the tip that its spring gives this force.
   const double size = wanted.force.norm();
   const Vec3 n = wanted.force / size;
   PlaneMessage plane;
-  plane.a = static_cast<float>(n.x());
-  plane.b = static_cast<float>(n.y());
-  plane.c = static_cast<float>(n.z());
-  plane.d = static_cast<float>(-(n.dot(wanted.tip) + size / options_.plane_stiffness));
-  plane.kspring = static_cast<float>(options_.plane_stiffness / options_.units.stiffness);
-  plane.kdamp = static_cast<float>(options_.plane_damping / options_.units.damping);
+  plane.a = float(n.x());
+  plane.b = float(n.y());
+  plane.c = float(n.z());
+  plane.d = float(-(n.dot(wanted.tip) + size / options_.plane_stiffness));
+  plane.kspring = float(options_.plane_stiffness / options_.units.stiffness);
+  plane.kdamp = float(options_.plane_damping / options_.units.damping);
   encode(payload, plane);
-  // The start goes by TCP; updates in one datagram with the plane's effects.
+  // The first plane goes by TCP; updates go in one datagram with the plane's effects.
   client.send(Type::plane, payload, plane_started_ ? Channel::low_latency : Channel::reliable);
   plane_started_ = true;
   payload.clear();
@@ -168,13 +170,13 @@ void VrpnDevice::display(Client& client, const Wanted& wanted) {
   client.send(Type::plane2, payload, Channel::low_latency);
 }
 
-void VrpnDevice::let_go(Client& client) {
+void VrpnDevice::release(Client& client) {
   Bytes payload;
   Type type = Type::force;
-  if (options_.force_by == ForceBy::field) {
+  if (options_.force_mode == ForceMode::field) {
     encode(payload, ForceField{});
     type = Type::force_field;
-  } else if (options_.force_by == ForceBy::plane) {
+  } else if (options_.force_mode == ForceMode::plane) {
     encode(payload, PlaneMessage{});
     type = Type::plane;
   } else {

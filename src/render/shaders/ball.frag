@@ -1,5 +1,5 @@
-// A beach ball: six gores of two colours that meet in caps, so that every way of turning is seen.
-uniform int self;  // index among the shadow casters, or -2
+// A beach ball: six segments of two colours that meet in caps, so that any rotation is visible.
+uniform int self;  // index among the shadow casters, or -1
 uniform vec3 colour_a;
 uniform vec3 colour_b;
 
@@ -14,14 +14,14 @@ float edge(float x, float width) { return clamp(0.5 + x / max(width, 1e-5), 0.0,
 void main() {
   vec3 n = normalize(local_normal);
   vec3 b = normalize(body);
-  // sin(3 phi) of the gores, times sin(theta)^3 so that it is smooth at the poles.
+  // sin(3 phi) of the segments, times sin(theta)^3 so that it is smooth at the poles.
   float gores = b.y * (3.0 * b.x * b.x - b.y * b.y);
   float cap = abs(b.z) - 0.94;
   float tone = max(edge(gores, fwidth(gores)), edge(cap, fwidth(cap)));
   Matter matter = Matter(mix(colour_a, colour_b, tone), 0.28, 0.045);
   vec3 l = to_light(local);
   float seen = object_shadow(local, l, self) * relief_shadow(local + n * texels.z, l);
-  // The surface below hides the ground's half of the sky near the contact.
+  // Near the contact the surface below hides the lower half of the ambient light.
   float open = object_openness(local, n, self) * mix(0.35, 1.0, smoothstep(-0.6, 0.5, n.z));
   out_colour = vec4(film(lit(local, n, matter, seen, open)), 1.0);
 }

@@ -1,12 +1,12 @@
-// The height field: bilinear between texel centres, as surface::Surface means it, and its coarser fields (height_levels.h).
-// Vertex (0, 0) is texel (-1, -1), in whose border the surface's edge rule (wrap or clamp) is already worked out.
-uniform sampler2D heights;  // depth as a fraction of the greatest; vertex (i, j) of level k is vertex (i, j) * 2^k of level 0
+// The height field: bilinear between texel centres, as in surface::Surface, and its coarser fields (HeightLevels in
+// surface_textures.h). Vertex (0, 0) is texel (-1, -1): a border of one texel applies the edge rule (wrap or clamp).
+uniform sampler2D heights;  // depth / maximum depth; vertex (i, j) of level k is vertex (i, j) * 2^k of level 0
 
-// The level that this sample asks for: 0 is the surface itself.
+// The level that this sample uses: 0 is the surface itself.
 int detail = 0;
 
-// The level for a sample of that footprint, metres: the coarsest whose cells are at most half of it. Cells as large as samples
-// would be coarser than what they see of steps (tests/render/detail_test.cpp, pictures of the scenes).
+// The level for a sample of that footprint, metres: the coarsest whose cells are at most half of it. Cells as large as
+// samples would blur steps visibly (tests/render/test_detail.cpp, pictures of the scenes).
 int detail_for(float footprint) { return min(int(log2(max(0.5 * footprint / texels.z, 1.0))), count.w); }
 
 // The side of a cell of that level, in texels.

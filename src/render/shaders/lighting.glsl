@@ -1,4 +1,4 @@
-// Light to colour: GGX with Schlick's Fresnel under one light and a two-tone sky, then the film curve.
+// Shading: GGX with Schlick's Fresnel under one light and a two-tone sky, then the film curve.
 
 const float PI = 3.14159265;
 
@@ -21,7 +21,7 @@ struct Matter {
   float reflectance;  // at normal incidence
 };
 
-// p: point; n: shading normal; seen: share of the light that reaches p; open: share of the sky.
+// p: point; n: shading normal; seen, open: visible fractions of the light and of the sky.
 vec3 lit(vec3 p, vec3 n, Matter matter, float seen, float open) {
   vec3 v = normalize(eye.xyz - p);
   vec3 l = to_light(p);

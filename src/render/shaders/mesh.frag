@@ -1,4 +1,4 @@
-// The slab with its relief as a displaced mesh, for comparison: coloured by the texture, lit by the mesh's own normals.
+// The slab with its relief as a displaced mesh, for comparison: the texture's colours, the mesh's own normals.
 in vec3 local;
 in vec3 local_normal;
 in vec3 body;

@@ -1,5 +1,5 @@
 // A body of one colour, half matt.
-uniform int self;  // index among the shadow casters, or -2
+uniform int self;  // index among the shadow casters, or -1
 uniform vec3 colour_a;
 
 in vec3 local;

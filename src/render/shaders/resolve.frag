@@ -1,5 +1,5 @@
-// Samples to pixels: the mean of each pixel's SUPERSAMPLE x SUPERSAMPLE samples, in linear light, over the background; then
-// sRGB, top row first.
+// Samples to pixels: the mean of each pixel's SUPERSAMPLE x SUPERSAMPLE samples, in linear light, over the background;
+// then sRGB, top row first.
 precision highp float;
 precision highp sampler2D;
 

@@ -1,7 +1,7 @@
-// What stands between a point and the light, softly: each returns how much of the light is seen, 0..1. The light has a
-// size, so a shadow's edge is as wide as the light looks from there: sharp at the contact, soft far from it.
+// Soft shadow terms: each returns the visible fraction of the light, 0..1. The light has a size, so a shadow's edge is
+// as wide as the light appears from there: sharp at the contact, soft far from it.
 
-// Share of a round light of half width `half_width` that is seen past an edge `clearance` away from its middle.
+// Fraction of a round light of half width `half_width` visible past an edge `clearance` away from its centre.
 float seen_past(float clearance, float half_width) {
   return smoothstep(-half_width, half_width, clearance);
 }
@@ -16,7 +16,7 @@ float ball_shadow(vec3 p, vec3 l, vec4 b) {
 // Radius of the pen at a distance from its tip.
 float pen_radius(float s) { return pen_tip.w * clamp(s / pen_cone.x, 0.0, 1.0); }
 
-// The ray's nearest approach to the pen's axis; the pen is thin, so that decides.
+// By the ray's nearest approach to the pen's axis, since the pen is thin.
 float pen_shadow(vec3 p, vec3 l) {
   vec3 w = p - pen_tip.xyz;
   vec3 axis = pen_direction.xyz;
@@ -28,7 +28,7 @@ float pen_shadow(vec3 p, vec3 l) {
   return along <= 0.0 ? 1.0 : seen_past(apart - pen_radius(s), max(along * light_colour.w, 1e-5));
 }
 
-// Everything but the ball of index `self` (-1: none is left out; MAX_BALLS: the pen is).
+// All bodies except the shadow caster of index `self` (-1: no exception; MAX_BALLS: the pen).
 float object_shadow(vec3 p, vec3 l, int self) {
   float seen = 1.0;
   for (int k = 0; k < count.x; ++k) {
@@ -40,8 +40,8 @@ float object_shadow(vec3 p, vec3 l, int self) {
   return seen;
 }
 
-// How much of the ambient light balls and pen leave at p with normal n: the cosine-weighted part of the sky that a ball
-// covers is exactly (r / d)^2 cos when it is all above the horizon.
+// The fraction of the ambient light that bodies leave at p with normal n: the cosine-weighted part of the sky that a
+// ball covers is exactly (r / d)^2 cos when all of it is above the horizon.
 float object_openness(vec3 p, vec3 n, int self) {
   float open = 1.0;
   for (int k = 0; k < count.x; ++k) {
@@ -53,12 +53,12 @@ float object_openness(vec3 p, vec3 n, int self) {
   return open;
 }
 
-// How near the middle of the light may come to an edge `t` away and still be dimmed by it: clearance is measured across
+// Half width of the light at a distance `t`: an edge that is closer to its centre dims it. Clearance is measured across
 // the ray, and the light is never narrower than the texels that hide it.
 float half_width(vec3 l, float t) { return max(t * light_colour.w, 0.5 * cell_side(detail) * texels.z * l.z); }
 
-// What the relief leaves of a light along l from p up to `to`, where it leaves the layer: steps of equal length, one a texel
-// where that suffices, keeping the tightest clearance.
+// The visible fraction of a light along l from p to `to`, where the ray leaves the layer: by the smallest clearance at
+// steps of equal length, one a texel unless that takes more than steps.z.
 float relief_seen(vec3 p, vec3 l, float to) {
   int shadow_steps = clamp(int(ceil(length(l.xy) * to / (cell_side(detail) * texels.z))), 4, steps.z);
   float stride = to / float(shadow_steps);
@@ -71,7 +71,7 @@ float relief_seen(vec3 p, vec3 l, float to) {
   return seen;
 }
 
-// The relief's own shadow on p: towards the light until out of the layer.
+// The relief's own shadow on p, traced towards the light until the ray leaves the layer.
 float relief_shadow(vec3 p, vec3 l) {
   bool in_layer = p.z < 0.0 && all(greaterThanEqual(p.xy, vec2(0.0))) && all(lessThanEqual(p.xy, size.xy));
   if (!RELIEF || steps.z == 0 || !in_layer) return 1.0;

@@ -1,5 +1,4 @@
-// The relief of a curved base within one tetrahedron of its layer: the view ray, straight in the texture too, is marched
-// there.
+// The relief of a curved base within one tetrahedron of its layer, where the view ray is straight in the texture, too.
 in vec3 local;
 flat in vec4 eye_weights;
 flat in vec3 slope0, slope1, slope2, slope3;
@@ -7,7 +6,7 @@ flat in vec3 eye_texture;
 flat in mat3 to_texture;
 layout(location = 0) out vec4 out_colour;
 
-// Where the ray is within the tetrahedron: from, to.
+// The ray's interval within the tetrahedron: from, to.
 vec2 inside(vec3 direction) {
   vec4 rate = vec4(dot(slope0, direction), dot(slope1, direction), dot(slope2, direction), dot(slope3, direction));
   vec4 at = -eye_weights / mix(rate, vec4(1e-9), lessThan(abs(rate), vec4(1e-9)));
@@ -27,7 +26,7 @@ void main() {
     t = march(eye_texture, along, range.x, range.y);
     if (t < 0.0) discard;
   } else if (along.z >= 0.0 || eye_texture.z + range.x * along.z < -1e-3 * size.z) {
-    discard;  // it is not the base that is seen here
+    discard;  // the base is not visible here
   }
   vec3 p = eye.xyz + t * direction;
   vec3 q = eye_texture + t * along;

@@ -1,4 +1,5 @@
-// One tetrahedron of the layer of a curved base an instance, its twelve corners out of gl_VertexID. Its far faces are drawn.
+// An instance is one tetrahedron of the layer of a curved base; gl_VertexID numbers its twelve corners. Far faces are
+// drawn, so that each ray is shaded once, also when the eye is inside.
 uniform mat4 model;  // of the base, rigid
 
 layout(location = 0) in vec3 corner0;

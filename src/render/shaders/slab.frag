@@ -8,7 +8,7 @@ struct Hit {
   vec3 wall_normal;
 };
 
-// Where the ray meets the slab's solid; discards the fragment when it leaves through a side, over the relief.
+// Where the ray meets the slab; discards the fragment when the ray leaves through a side, above the relief.
 Hit meet_slab(vec3 origin, vec3 direction) {
   vec3 safe = mix(direction, vec3(1e-9), lessThan(abs(direction), vec3(1e-9)));
   vec3 a = (vec3(0.0, 0.0, -size.w) - origin) / safe;
@@ -20,13 +20,13 @@ Hit meet_slab(vec3 origin, vec3 direction) {
   vec3 entry = origin + from * direction;
   detail = detail_for(eye.w * from);
   vec3 normal = from > 0.0 ? -sign(direction) * vec3(equal(vec3(from), near)) : -direction;
-  // A ray that comes in through the top plane starts above the relief without being asked.
+  // A ray that enters through the top plane starts above the relief; no test needed.
   bool from_top = from == near.z && direction.z < 0.0;
   if (from_top) entry.z = 0.0;
   float top = RELIEF ? height(entry.xy) : 0.0;
   if (!from_top && entry.z <= top) return Hit(entry, true, normal);
   if (!RELIEF) return Hit(entry, false, vec3(0.0));
-  // A falling ray is under the relief when it is through the layer.
+  // A descending ray that leaves the layer's bottom is below the relief.
   if (direction.z < 0.0) to = min(to, (-1.001 * size.z - 1e-6 - origin.z) / direction.z);
   float t = march(origin, direction, from, to);
   if (t < 0.0) discard;

@@ -1,8 +1,8 @@
-// The slab's box. Its far faces are drawn, so every ray that meets the slab is asked once, also from within.
+// The slab's box. Far faces are drawn, so that each ray is shaded once, also when the eye is inside.
 out vec3 local;
 
 void main() {
-  // The 36 corners of a cube's triangles, out of gl_VertexID: face, then two triangles of its square.
+  // gl_VertexID numbers the 36 corners of a cube's triangles: by face, then the two triangles of its square.
   int face = gl_VertexID / 6;
   int corner = gl_VertexID % 6;
   vec2 square = vec2(corner == 1 || corner == 2 || corner == 4, corner == 2 || corner == 4 || corner == 5);

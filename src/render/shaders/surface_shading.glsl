@@ -1,12 +1,12 @@
-// How the surface looks where it is seen: its colour, its normals at the footprint of a sample, and what is over it.
-uniform sampler2D normals;  // 1023 n' = 511 n + 512; mipmapped
-uniform sampler2D colour;   // linear (colour_levels.h), mipmapped
-uniform int self_caster;    // index among the balls that cast shadows of the body that the surface is on, -1: none
+// Shading of a visible point of the surface: colour, normals at the footprint of a sample, and ambient occlusion.
+uniform sampler2D normals;  // n' = (511 n + 512) / 1023; mipmapped
+uniform sampler2D colour;   // linear light, mipmapped
+uniform int self_caster;    // shadow caster that the surface belongs to, or -1
 
-// The share of the sky over p: how far it lies below the mean height around it, at two distances.
+// Ambient occlusion of p by the relief: how far p lies below the mean height around it, at two distances.
 float relief_openness(vec3 p, bool is_relief) {
   float covered = 0.0;
-  // Drivers without branches (llvmpipe) run both sides of an `if`; a loop that ends at once costs nothing.
+  // llvmpipe runs both sides of an `if`; a loop of no iterations costs nothing.
   for (int k = 0; k < (is_relief ? 2 : 0); ++k) {
     float radius = size.z * (k == 0 ? 0.6 : 1.8);
     covered += max(mean_height(p.xy, 2.0 * radius) - p.z, 0.0) / radius;
@@ -20,8 +20,8 @@ vec3 colour_at(vec2 uv, float footprint) {
   return texels.w == 0.0 ? material.rgb : mapped;
 }
 
-// The map's normal, and in w how much rougher than one texel a sample of that footprint looks: normals that disagree within
-// it make a rougher surface (Toksvig 2005), not a sparkling one.
+// The map's normal, and in w how much rougher than one texel a sample of that footprint looks: normals that disagree
+// within it make the surface rougher (Toksvig 2005) instead of sparkling.
 vec4 mapped_normal(vec2 uv, float footprint) {
   vec4 result = vec4(0.0, 0.0, 1.0, 0.0);
   for (int k = 0; k < (RELIEF ? 1 : min(count.z, 1)); ++k) {
@@ -32,7 +32,7 @@ vec4 mapped_normal(vec2 uv, float footprint) {
   return result;
 }
 
-// Where the slab is cut, the texture's own colour runs a little way in and fades to plain plaster.
+// Where the slab is cut, the texture's colour fades to plaster over a short depth.
 Matter wall_matter(vec3 skin, float under) {
   vec3 plaster = vec3(dot(skin, vec3(0.3, 0.5, 0.2))) * vec3(0.62, 0.58, 0.54) + 0.03;
   return Matter(mix(skin * 0.8, plaster, smoothstep(0.0, size.w * 0.5, under)), 0.9, 0.03);
@@ -40,8 +40,8 @@ Matter wall_matter(vec3 skin, float under) {
 
 // A point of the relief, or of a wall of the slab.
 struct Spot {
-  vec3 p, n;            // where, and which way it faces
-  vec3 q;               // p in the texture: metres along u and v, and height. Of a slab, p itself
+  vec3 p, n;            // position and normal
+  vec3 q;               // p in the texture: metres along u and v, and height; p itself for a slab
   vec3 q_normal;        // n in the texture
   vec3 q_light;         // towards the light in the texture, unit
   float spread;         // see mapped_normal

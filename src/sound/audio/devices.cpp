@@ -9,7 +9,6 @@
 #include <cstdio>
 #include <fmt/format.h>
 
-#include "core/clock.h"
 #include "sound/audio_device.h"
 
 namespace intaglio::sound {

@@ -1,0 +1,76 @@
+// Sound cards and sound files.
+//
+//   auto card = intaglio::AudioOutput::open({.sample_rate = 48000}).value();
+//   auto live = intaglio::LiveSound::create({.sample_rate = double(card.sample_rate())}, bodies).value();
+//   if (auto started = card.start(live); !started) ...          // examples/live_sound.cpp
+//
+// A card pulls: it calls render() from a real-time thread of the system's until stop(). The other functions: one
+// thread.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "intaglio/error.h"
+#include "intaglio/sound.h"
+
+namespace intaglio {
+
+struct AudioOptions {
+  // "default": the system's card, or none that is heard where there is none. "null": nobody hears it, in real
+  // time. Else a part of a name that audio_outputs() lists.
+  std::string device = "default";
+  int sample_rate = 44'100;  // Hz
+  int buffer_frames = 256;   // wanted; the card may choose another size
+};
+
+struct AudioStatus {
+  std::uint64_t buffers = 0;    // rendered
+  std::uint64_t underruns = 0;  // buffers that came too late, as far as the card can tell
+  double latency = 0;           // s, from render() to the speaker
+  double busiest = 0;           // the longest render(), of a buffer's time
+  std::string error;            // why it stopped by itself; usually empty
+};
+
+class AudioOutput {
+ public:
+  // Errors: a card that is not there or cannot be opened.
+  static Result<AudioOutput> open(const AudioOptions& options = {});
+  AudioOutput(AudioOutput&&) noexcept;
+  AudioOutput& operator=(AudioOutput&&) noexcept;
+  ~AudioOutput();  // stops
+
+  std::string name() const;
+  std::string note() const;  // why it is not the device that was asked for; empty when it is
+  int sample_rate() const;   // Hz, as it really is
+  int buffer_frames() const;
+
+  // `sound` outlives the playing. Or your own callback, which fills interleaved left and right, -1..1, without
+  // allocation, lock or exception. Errors: it plays already; the system refuses.
+  Result<void> start(LiveSound& sound);
+  Result<void> start(std::function<void(std::span<float> stereo)> render);
+  void stop();  // nothing renders when it returns
+  AudioStatus status() const;
+
+ private:
+  struct Impl;
+  explicit AudioOutput(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+// "system: name" of each card that can play.
+std::vector<std::string> audio_outputs();
+
+enum class WavFormat { pcm_16, pcm_24, float_32 };
+
+// Writes samples in -1..1, interleaved, whole or not at all. PCM clips what lies outside. Equal sounds are equal
+// files.
+Result<void> write_wav(const std::filesystem::path& path, std::span<const float> samples, int sample_rate,
+                       int channels = 1, WavFormat format = WavFormat::pcm_24);
+
+}  // namespace intaglio

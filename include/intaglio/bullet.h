@@ -1,0 +1,70 @@
+// Textured shapes in your own Bullet world (3.24, single precision): one line more than a plane.
+//
+//   intaglio::bullet::enable(dispatcher);              // once, before the first step
+//   intaglio::bullet::SurfaceShape floor(intaglio::Surface::load("brick", {.size = {4, 4}}).value());
+//   btRigidBody ground(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &floor));
+//   world.addRigidBody(&ground);                       // examples/bullet_floor.cpp, bullet_bowl.cpp
+//
+// The shape outlives its bodies, as Bullet's shapes do; it shares the surface. A surface lies where its pose
+// says in the shape's frame: leave the body's transform at the identity to have it there in the world. For a
+// moving body with a curved surface the mesh's origin is the centre of mass, and its axes should be principal.
+//
+// Contacts are found anew in each step, ahead of the body and along its motion, so that a fast one does not
+// sink, and keep their impulses by feature for the solver's warm start. Friction, restitution and rolling
+// friction combine as Bullet's own do. Ray casts and contactTest work. Spheres, boxes, capsules, cylinders,
+// hulls, other convex shapes and compounds of them meet a surface, and surfaces meet each other where either
+// moves; what each meets, and how well: docs/dynamics.md. btSdfCollisionShape has the same type number: the two
+// cannot be in one world. One thread at a time, as Bullet itself. Keep the scene within some hundred metres.
+//
+// The only header of the library that includes Bullet; link intaglio::dynamics and Bullet.
+#pragma once
+
+#include <btBulletCollisionCommon.h>
+
+#include <limits>
+#include <memory>
+
+#include "intaglio/mesh.h"
+#include "intaglio/representation.h"
+#include "intaglio/surface.h"
+
+namespace intaglio::dynamics {
+class TouchableShape;  // of the library
+}
+
+namespace intaglio::bullet {
+
+// Teaches `dispatcher` to meet every kind of shape with SurfaceShape, in both orders of a pair, for steps and for
+// contactTest.
+void enable(btCollisionDispatcher& dispatcher);
+
+struct ShapeOptions {
+  Representation representation = Representation::relief;  // of a rectangle; curved ones have their relief
+  ContactMethod method = ContactMethod::closest;
+  NormalMethod normal_method = NormalMethod::implied;
+  double thickness = std::numeric_limits<double>::infinity();  // m: what is deeper below is behind it, not in it
+};
+
+class SurfaceShape : public btConcaveShape {
+ public:
+  explicit SurfaceShape(const Surface& surface, const ShapeOptions& options = {});
+  explicit SurfaceShape(const CurvedSurface& surface, const ShapeOptions& options = {});
+  ~SurfaceShape() override;
+  SurfaceShape(const SurfaceShape&) = delete;
+  SurfaceShape& operator=(const SurfaceShape&) = delete;
+
+  // Of a slab as thick as the relief is deep; of a closed mesh what it encloses, the diagonal only.
+  void calculateLocalInertia(btScalar mass, btVector3& inertia) const override;
+  void getAabb(const btTransform& transform, btVector3& low, btVector3& high) const override;
+  void processAllTriangles(btTriangleCallback* callback, const btVector3& low, const btVector3& high) const override;
+  void setLocalScaling(const btVector3& scaling) override;  // has no effect: a surface has metres
+  const btVector3& getLocalScaling() const override;
+  const char* getName() const override { return "SurfaceShape"; }
+
+  const dynamics::TouchableShape& impl() const { return *impl_; }
+
+ private:
+  std::unique_ptr<dynamics::TouchableShape> impl_;
+};
+
+}  // namespace intaglio::bullet
