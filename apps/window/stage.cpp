@@ -132,19 +132,6 @@ Error no_answer_error(const std::string& device, const haptics::vrpn::VrpnDevice
 
 }  // namespace
 
-PenDevice::~PenDevice() {
-  retire(std::move(connecting_));
-}
-
-void PenDevice::retire(Device device) {
-  if (!device) return;
-  std::erase_if(closing_, [](const auto& f) {
-    return f.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
-  });
-  closing_.push_back(
-      std::async(std::launch::async, [device = std::move(device)]() mutable { device.reset(); }));
-}
-
 Result<void> PenDevice::open(const std::string& name) {
   if (name.empty()) return {};
   const auto address = haptics::vrpn::parse_address(name);
@@ -158,7 +145,7 @@ Result<void> PenDevice::open(const std::string& name) {
 bool PenDevice::update(const Settings& settings, double now, std::string& message) {
   if (settings.device != name_) {
     name_ = settings.device;
-    retire(std::exchange(connecting_, nullptr));
+    connecting_.reset();
     if (name_.empty()) {
       used_.reset();
       message = "pen: mouse";
@@ -180,7 +167,7 @@ bool PenDevice::update(const Settings& settings, double now, std::string& messag
   }
   if (now - connecting_since_ >= std::chrono::duration<double>(answer_timeout).count()) {
     message = connection_error(settings);
-    retire(std::exchange(connecting_, nullptr));
+    connecting_.reset();
   }
   return false;
 }

@@ -4,7 +4,6 @@
 
 #include <condition_variable>
 #include <filesystem>
-#include <future>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -73,11 +72,8 @@ class Loader {
 };
 
 // The pen's device: a VRPN device or the mouse. Another device is connected while the old one stays in use.
-// Closing a connection may wait for the name resolver, so a thread of its own does that.
 class PenDevice {
  public:
-  ~PenDevice();
-
   // Connects to NAME@HOST (empty: the mouse) and waits for an answer.
   Result<void> open(const std::string& name);
   // Starts connecting when the settings name another device; `message` says what came of it. Whether the
@@ -88,13 +84,11 @@ class PenDevice {
   std::shared_ptr<haptics::Device> device() const { return used_; }
 
  private:
-  using Device = std::shared_ptr<haptics::vrpn::VrpnDevice>;
-  void retire(Device device);
+  using VrpnPen = std::shared_ptr<haptics::vrpn::VrpnDevice>;
 
-  std::string name_;          // requested
-  Device used_, connecting_;  // null: the mouse; none
+  std::string name_;           // requested
+  VrpnPen used_, connecting_;  // null: the mouse; none
   double connecting_since_ = 0;
-  std::vector<std::future<void>> closing_;
 };
 
 class Stage {

@@ -41,9 +41,9 @@ class DeviceDriver {
  public:
   virtual ~DeviceDriver() = default;
   virtual Vec3 position() = 0;  // m, of the tip, in the device's workspace
-  virtual void set_force(const Vec3& newtons, const Vec3& torque) = 0;  // N and N m on the hand until the next call
+  // N, and N m about the grip, on the hand until the next call; torque is zero unless GuardLimits::peak_torque is set.
+  virtual void set_force(const Vec3& newtons, const Vec3& torque) = 0;
   virtual std::optional<Quat> orientation() { return std::nullopt; }  // turns the pen from upright, where known
-  virtual bool displays_torque() const { return false; }
   virtual double silent_for() const { return 0; }  // s since the device was last heard of
 };
 
@@ -75,7 +75,7 @@ struct GuardLimits {
   double thermal_time = 30;        // s, of the running mean of force squared
   double slew_rate = 2000;         // N/s
   double ramp_in = 0.5;            // s from arming to full force; at least 0.5 whatever is asked for
-  double peak_torque = 0;          // N m; 0: the device displays no torque
+  double peak_torque = 0;          // N m; 0: no torque is sent
   double continuous_torque = 0;    // N m
   double torque_slew_rate = 100;   // N m/s
   double velocity_limit = 1.5;     // m/s, of the device's tip
@@ -88,8 +88,8 @@ inline constexpr std::uint32_t clamped = 1u << 0;   // larger than is allowed no
 inline constexpr std::uint32_t slewed = 1u << 1;    // changed faster than the slew rate
 inline constexpr std::uint32_t ramping = 1u << 2;   // within the ramp-in
 inline constexpr std::uint32_t fault = 1u << 3;     // latched: zero force until rearm()
-inline constexpr std::uint32_t warm = 1u << 4;      // clamped by the continuous limit
-inline constexpr std::uint32_t too_fast = 1u << 5;  // over the velocity limit: force goes to zero
+inline constexpr std::uint32_t thermally_limited = 1u << 4;  // clamped below the peak: the motors are warm
+inline constexpr std::uint32_t hand_too_fast = 1u << 5;  // over the velocity limit: force goes to zero
 inline constexpr std::uint32_t not_a_number = 1u << 6;  // and what latched the fault
 inline constexpr std::uint32_t scene_stalled = 1u << 7;
 inline constexpr std::uint32_t link_lost = 1u << 8;
@@ -158,7 +158,7 @@ struct TouchReport {
 struct TouchTiming {
   double worst_wake_up = 0, p99_wake_up = 0;  // s, how late ticks began
   double worst_compute = 0, p99_compute = 0;  // s, how long they took, device included
-  std::uint64_t left_out = 0;                 // ticks, after one that was late
+  std::uint64_t skipped_ticks = 0;            // after one that was late
   std::string priority;                       // how the thread was scheduled, one line
 };
 

@@ -23,7 +23,10 @@ enum class VrpnForce {
 
 struct VrpnOptions {
   VrpnForce force = VrpnForce::field;
-  double wait = 3;       // s, for the device to answer
+  double plane_stiffness = 800, plane_damping = 1;       // N/m and N s/m, of VrpnForce::plane
+  double stiffness_unit = 1000, damping_unit = 1000;     // what one of the far driver's units is, N/m and N s/m
+  int sensor = 0;
+  double wait = 3;         // s, for the device to answer
   double silence = 0.040;  // s without a word, then the link counts as lost
 };
 

@@ -25,7 +25,6 @@ class Driven : public haptics::Device {
   }
   bool reads_orientation() const override { return orientation_.has_value(); }
   Quat orientation() override { return orientation_.value_or(Quat::Identity()); }
-  bool displays_torque() const override { return driver_->displays_torque(); }
   double silent_for() const override { return driver_->silent_for(); }
 
  private:
@@ -85,7 +84,7 @@ haptics::ServoOptions servo_options(const TouchOptions& from) {
 haptics::SceneSnapshot snapshot_of(const TouchScene& scene) {
   haptics::SceneSnapshot out;
   out.textured = {scene.surface_pose, scene.surface_velocity, scene.surface_angular_velocity};
-  out.ball_count = std::min(scene.balls.size(), haptics::most_balls);
+  out.ball_count = std::min(scene.balls.size(), haptics::max_balls);
   for (std::size_t k = 0; k < out.ball_count; ++k)
     out.balls[k] = {scene.balls[k].position, scene.balls[k].velocity, scene.balls[k].radius};
   return out;
@@ -116,7 +115,7 @@ struct ServoLoop::Impl {
   haptics::PenServo offline;
   haptics::ServoLoop loop;
   haptics::ServoReport newest;
-  std::array<Vec3, haptics::most_balls> taken{};  // N s, of what balls were given
+  std::array<Vec3, haptics::max_balls> taken{};  // N s, of what balls were given
   Vec3 surface_taken = Vec3::Zero(), surface_angular_taken = Vec3::Zero();
   double time = 0;  // s, of offline ticks
   bool is_live = false;
@@ -182,8 +181,8 @@ Vec3 ServoLoop::take_surface_impulse(Vec3* angular) {
 
 TouchTiming ServoLoop::timing() const {
   const haptics::ServoLoop& loop = impl_->loop;
-  return {loop.wake_up().most(),          loop.wake_up().quantile(0.99), loop.compute().most(),
-          loop.compute().quantile(0.99), loop.left_out(),               loop.priority()};
+  return {loop.wake_up().max(),          loop.wake_up().quantile(0.99), loop.compute().max(),
+          loop.compute().quantile(0.99), loop.skipped_ticks(),               loop.priority()};
 }
 
 TouchReport ServoLoop::tick(const TouchScene& scene) {

@@ -4,13 +4,14 @@
 #include "core/file.h"
 #include "intaglio/render.h"
 #include "mesh/api.h"
+#include "render/mesh.h"
 #include "render/renderer.h"
 
 namespace intaglio {
 
 namespace {
 
-// What stands in until the first view: creating a renderer tells whether there is a driver at all.
+// Stands in until the first view, so that creating a renderer shows whether there is a driver at all.
 surface::Surface placeholder() {
   surface::Texels texels{2, 2, {0, 0, 0, 0}, std::vector<Vec3>(4, Vec3::UnitZ()), Image8(1, 1, 3)};
   return surface::Surface(std::move(texels), surface::Placement(Vec3::Zero(), Quat::Identity(), 1, 1), 0,
@@ -43,7 +44,7 @@ Result<void> Picture::save(const std::filesystem::path& path) const {
 struct Renderer::Impl {
   std::unique_ptr<render::Renderer> renderer;
   double slab_thickness;
-  // What the renderer shows now, kept alive so that an address stands for one surface.
+  // The current surfaces, kept alive so that an address identifies one.
   std::vector<Surface> surfaces = {};
   std::vector<CurvedSurface> curved = {};
   std::map<std::shared_ptr<const TriangleMesh>, std::shared_ptr<const render::Mesh>> meshes = {};
