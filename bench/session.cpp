@@ -48,10 +48,10 @@ class RealTimeHand : public SimulatedDevice {
 // Simulates, sounds and draws until told to stop.
 class Load {
  public:
-  explicit Load(const session::Scene& scene)
+  explicit Load(const scene::Scene& scene)
       : thread_([this, scene] {
           while (!stop_) {
-            if (!session::render(scene, {folder_.path / "load.mp4", 2, true, &stop_}) && !stop_)
+            if (!report::render(scene, {folder_.path / "load.mp4", 2, true, &stop_}) && !stop_)
               failed_ = true;
             if (failed_) return;
           }
@@ -130,8 +130,8 @@ int main(int argc, char** argv) {
       return 2;
     }
   }
-  const auto scene = session::parse_scene(scene_text, "bench");
-  const auto surface = scene ? session::make_surface(*scene) : tl::unexpected(scene.error());
+  const auto scene = scene::parse_scene(scene_text, "bench");
+  const auto surface = scene ? scene::make_surface(*scene) : tl::unexpected(scene.error());
   if (!surface) {
     fmt::print(stderr, "bench_session: {}\n", surface.error().message());
     return 1;

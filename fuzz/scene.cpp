@@ -6,7 +6,7 @@
 #include "scene/scene.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const auto scene = intaglio::session::parse_scene({reinterpret_cast<const char*>(data), size}, "fuzz.toml");
+  const auto scene = intaglio::scene::parse_scene({reinterpret_cast<const char*>(data), size}, "fuzz.toml");
   if (scene) return 0;
   const std::string message = scene.error().message();
   if (message.find('\n') != std::string::npos || message.find("fuzz.toml") != 0) std::abort();

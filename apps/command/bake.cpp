@@ -317,15 +317,15 @@ void add_bake(CLI::App& app, Common& common) {
 
 int bake_scene(const BakeArguments& options, const Common& common) {
   namespace fs = std::filesystem;
-  const auto scene = session::read_scene(options.scene);
+  const auto scene = scene::read_scene(options.scene);
   if (!scene) return report(scene.error());
-  const auto surface = session::make_surface(*scene);
+  const auto surface = scene::make_surface(*scene);
   if (!surface) return report(surface.error());
   std::error_code error;
   fs::create_directories(options.output, error);
   if (error || !fs::is_directory(options.output))
     return report({options.output, "is not a folder and cannot be created", "give -o another name"});
-  const auto voices = session::bake_voices(*scene, *surface, {.cache = options.output, .shipped = ""});
+  const auto voices = scene::bake_voices(*scene, *surface, {.cache = options.output, .shipped = ""});
   if (!voices) return report(voices.error());
   nlohmann::json list = nlohmann::json::array();
   for (const std::string& model : voices->models) {

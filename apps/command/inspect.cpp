@@ -66,11 +66,11 @@ int run_inspect(const Options& options, const Common& common) {
   if (!options.html.empty()) {
     const auto title =
         "Texture: " + std::filesystem::path(options.path).lexically_normal().filename().string();
-    if (auto written = write_file(options.html, session::inspection_html(*inspection, title)); !written)
+    if (auto written = write_file(options.html, report::inspection_html(*inspection, title)); !written)
       return report(written.error());
   }
   if (options.json) {
-    fmt::print("{}", session::inspection_json(*inspection));
+    fmt::print("{}", report::inspection_json(*inspection));
   } else if (!common.quiet) {
     print_summary(*inspection);
   }

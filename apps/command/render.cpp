@@ -23,8 +23,8 @@ struct Options {
 };
 
 // Options override the scene file.
-void override_scene(const Options& options, session::Scene& scene) {
-  if (!options.texture.empty()) session::put_texture(scene.surface, options.texture);
+void override_scene(const Options& options, scene::Scene& scene) {
+  if (!options.texture.empty()) scene::put_texture(scene.surface, options.texture);
   if (options.representation == "flat") scene.surface.representation = Representation::flat;
   if (options.representation == "normal") scene.surface.representation = Representation::normal;
   if (options.representation == "relief") scene.surface.representation = Representation::relief;
@@ -48,7 +48,7 @@ void print_summary(const session::Recording& recording, const std::string& outpu
 }
 
 int run(const Options& options, const Common& common) {
-  auto scene = session::read_scene(options.scene);
+  auto scene = scene::read_scene(options.scene);
   if (!scene) return report(scene.error());
   override_scene(options, *scene);
   catch_interrupts();
@@ -56,7 +56,7 @@ int run(const Options& options, const Common& common) {
   // starts.
   setenv("LP_NUM_THREADS", std::to_string(options.threads > 1 ? options.threads : 0).c_str(), 0);
   const auto recording =
-      session::render(*scene, {options.output, options.threads, common.quiet, &interrupted});
+      report::render(*scene, {options.output, options.threads, common.quiet, &interrupted});
   if (!recording) {
     const int code = report(recording.error());
     return interrupted ? 130 : code;

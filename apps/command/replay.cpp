@@ -20,20 +20,20 @@ int run(const Options& options, const Common& common) {
     if (auto named = check_extension(options.page, ".html", "a page"); !named) return report(named.error());
     if (auto writable = check_writable(options.page); !writable) return report(writable.error());
   }
-  const auto log = session::read_haptic_log(options.log);
+  const auto log = report::read_haptic_log(options.log);
   if (!log) return report(log.error());
-  if (!common.quiet) fmt::print("{}", session::haptic_summary(*log));
+  if (!common.quiet) fmt::print("{}", report::haptic_summary(*log));
   if (!options.scene.empty()) {
-    const auto scene = session::read_scene(options.scene);
+    const auto scene = scene::read_scene(options.scene);
     if (!scene) return report(scene.error());
-    const auto replayed = session::replay(*log, *scene);
+    const auto replayed = report::replay(*log, *scene);
     if (!replayed) return report(replayed.error());
     fmt::print("replayed on {}: largest force difference {} N\n", options.scene,
                replayed->largest_difference);
     if (!replayed->same_surface) fmt::print("warning: it was recorded on another surface\n");
   }
   if (!options.page.empty()) {
-    if (auto written = write_file(options.page, session::haptic_page(*log, options.log)); !written)
+    if (auto written = write_file(options.page, report::haptic_page(*log, options.log)); !written)
       return report(written.error());
   }
   return 0;

@@ -104,12 +104,12 @@ void print_summary(const window::RunReport& r) {
 
 int run(const RunArguments& arguments, const Common& common) {
   window::RunOptions options;
-  auto scene = arguments.scene.empty() ? session::parse_scene(first_scene, "brick")
-                                       : session::read_scene(arguments.scene);
+  auto scene =
+      arguments.scene.empty() ? scene::parse_scene(first_scene, "brick") : scene::read_scene(arguments.scene);
   if (!scene) return report(scene.error());
   options.scene = std::move(*scene);
   options.scene_file = arguments.scene;
-  if (!arguments.surface.empty()) session::put_texture(options.scene.surface, arguments.surface);
+  if (!arguments.surface.empty()) scene::put_texture(options.scene.surface, arguments.surface);
   if (!arguments.script.empty()) {
     const auto bytes = read_file(arguments.script, 1u << 20);
     if (!bytes) return report(bytes.error());

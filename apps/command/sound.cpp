@@ -14,6 +14,7 @@
 #include "core/file.h"
 #include "core/toml.h"
 #include "report/sound_page.h"
+#include "session/simulation.h"
 #include "sound/audio/devices.h"
 #include "sound/audio/wav.h"
 #include "sound/live_sound.h"
@@ -160,10 +161,10 @@ int run_strike(const StrikeOptions& options, const Common& common) {
   return 0;
 }
 
-int run_touch(session::Touch touch, const std::string& texture, const std::string& output, double gain_db,
+int run_touch(report::TouchKind touch, const std::string& texture, const std::string& output, double gain_db,
               const Common& common) {
   if (auto writable = check_wav(output); !writable) return report(writable.error());
-  session::Scene scene = session::touch_scene(touch, texture);
+  scene::Scene scene = report::touch_scene(touch, texture);
   scene.sound.gain_db = gain_db;
   const auto recording = session::play(scene);
   if (!recording) return report(recording.error());
@@ -243,7 +244,7 @@ void add_strike(CLI::App& sound, Common& common) {
   verb->callback([options, &common] { common.exit_code = run_strike(*options, common); });
 }
 
-void add_touch(CLI::App& sound, Common& common, session::Touch touch, const char* name, const char* help) {
+void add_touch(CLI::App& sound, Common& common, report::TouchKind touch, const char* name, const char* help) {
   CLI::App* verb = sound.add_subcommand(name, help);
   struct Options {
     std::string texture, output;
@@ -269,14 +270,14 @@ void add_page(CLI::App& sound, Common& common) {
       sound.add_subcommand("page",
                            "Make a page of players and spectrograms: built-in textures struck, scraped "
                            "and rolled on");
-  auto job = std::make_shared<session::SoundPageJob>();
+  auto job = std::make_shared<report::SoundPageJob>();
   verb->add_option("-o,--output", job->folder, "A folder; gets index.html, .mp3 and .png files")->required();
   verb->add_option("TEXTURE", job->textures, "Textures; default: all built-in ones");
   verb->footer(
       "Example:\n  intaglio sound page -o out/heard brick_running metal_mesh\nA sound takes a few seconds.");
   verb->callback([job, &common] {
     job->quiet = common.quiet;
-    if (auto made = session::make_sound_page(*job); !made) common.exit_code = report(made.error());
+    if (auto made = report::make_sound_page(*job); !made) common.exit_code = report(made.error());
   });
 }
 
@@ -286,9 +287,9 @@ void add_sound(CLI::App& app, Common& common) {
   CLI::App* verb = app.add_subcommand("sound", "Hear models and textures; list audio devices");
   verb->require_subcommand(1);
   add_strike(*verb, common);
-  add_touch(*verb, common, session::Touch::strike, "drop", "A wooden ball falls on a texture");
-  add_touch(*verb, common, session::Touch::scrape, "scrape", "A wooden pen is dragged over a texture");
-  add_touch(*verb, common, session::Touch::roll, "roll", "A steel ball rolls over a texture");
+  add_touch(*verb, common, report::TouchKind::strike, "drop", "A wooden ball falls on a texture");
+  add_touch(*verb, common, report::TouchKind::scrape, "scrape", "A wooden pen is dragged over a texture");
+  add_touch(*verb, common, report::TouchKind::roll, "roll", "A steel ball rolls over a texture");
   add_page(*verb, common);
   verb->add_subcommand("devices", "The audio devices of this machine")->callback([&common] {
     common.exit_code = list_devices();

@@ -169,7 +169,7 @@ Result<Vec2> Application::body_position_in_window(std::size_t body) {
 }
 
 void Application::begin_session() {
-  const session::Scene& scene = stage_.session()->scene();
+  const scene::Scene& scene = stage_.session()->scene();
   render::Camera camera;
   camera.eye = scene.camera.eye;
   camera.target = scene.camera.target;
@@ -261,7 +261,7 @@ void Application::adapt_resolution() {
 
 void Application::collect_audio() {
   audio_block_.clear();
-  stage_.tap().take(audio_block_);
+  stage_.tap().drain(audio_block_);
   if (recorder_) recorder_->add_audio(audio_block_);
   for (std::size_t k = 0; k + 1 < audio_block_.size(); k += 2)
     panel_data_.scope.push_back(0.5f * (audio_block_[k] + audio_block_[k + 1]));
@@ -345,7 +345,7 @@ void Application::finish_report() {
   report_.touch = {servo.compute().count(), servo.skipped_ticks(), servo.wake_up().quantile(0.99),
                    servo.compute().quantile(0.99), servo.priority()};
   const session::LiveState& state = session->state();
-  report_.dynamics = {state.steps, state.late, state.step_seconds};
+  report_.dynamics = {state.steps, state.dropped_steps, state.step_seconds};
   const sound::AudioStatus audio = stage_.audio()->status();
   report_.sound = {audio.buffers, audio.underruns, 0, 0, audio.peak_load, 0};
   if (const auto live = session->sound_status()) {

@@ -20,7 +20,7 @@
 namespace intaglio::window {
 
 struct RunOptions {
-  session::Scene scene;
+  scene::Scene scene;
   std::filesystem::path scene_file;  // watched; empty: not from a file
   std::vector<ScriptEvent> script;
   std::string device;                     // NAME@HOST of a VRPN pen; empty: the mouse

@@ -97,11 +97,11 @@ bool InputController::held_key(int scancode, bool down) {
       return true;
     case SDL_SCANCODE_LEFT:
     case SDL_SCANCODE_Z:
-      flipper(session::left_key);
+      flipper(scene::left_key);
       return true;
     case SDL_SCANCODE_RIGHT:
     case SDL_SCANCODE_SLASH:
-      flipper(session::right_key);
+      flipper(scene::right_key);
       return true;
     default:
       return false;
@@ -170,7 +170,7 @@ void InputController::update(double seconds, const Settings& settings, session::
   controls_.paused = settings.paused;
   controls_.speed = std::clamp(settings.speed, 0.01, 1.0);
   controls_.keys = keys_ | shoulders_;
-  session.control(controls_);
+  session.set_controls(controls_);
 }
 
 // Drags the body in the camera-facing plane through the grab point.
@@ -204,7 +204,7 @@ struct SurfacePoint {
 
 // The nearest of the floor, flat grounds and curved grounds along the ray; with `use_relief` flat ones by
 // their relief, else by their plane. The floor's plane goes on beyond its rectangle if there are no grounds.
-std::optional<SurfacePoint> nearest_surface(const session::SceneSurface& scene, bool use_relief,
+std::optional<SurfacePoint> nearest_surface(const scene::SceneSurface& scene, bool use_relief,
                                             const Vec3& eye, const Vec3& ray) {
   std::optional<SurfacePoint> nearest;
   const auto offer = [&](const SurfacePoint& found) {
@@ -217,7 +217,7 @@ std::optional<SurfacePoint> nearest_surface(const session::SceneSurface& scene, 
       offer({&surface, *point, place.n(), false});
   };
   offer_flat(*scene.surface, scene.grounds.empty());
-  for (const session::SceneSurface& ground : scene.grounds) {
+  for (const scene::SceneSurface& ground : scene.grounds) {
     if (!ground.curved) {
       offer_flat(*ground.surface, false);
     } else if (const auto found = pick_base(ground.curved->base().mesh(), eye, ray)) {
@@ -238,12 +238,12 @@ void InputController::move_pen(session::LiveSession& session, const Projection& 
   if (!at) return;
   const surface::Placement& place = at->surface->placement();
   const double side = std::max(place.size_u(), place.size_v());
-  if (!presses) return session.lead_pen(at->point + 0.02 * side * at->normal);
+  if (!presses) return session.set_pen_target(at->point + 0.02 * side * at->normal);
   const Vec3 local = place.to_local(at->point);
   const double depth = at->is_curved         ? at->surface->max_depth()
                        : place.covers(local) ? at->surface->depth(place.uv(local))
                                              : 0;
-  session.lead_pen(at->point - (depth + 0.01 * press_depth_ * side) * at->normal);
+  session.set_pen_target(at->point - (depth + 0.01 * press_depth_ * side) * at->normal);
 }
 
 Gamepad::~Gamepad() {
@@ -287,15 +287,16 @@ unsigned Gamepad::shoulders() const {
   const auto pressed = [&](SDL_GameControllerButton b) {
     return SDL_GameControllerGetButton(controller_, b) != 0;
   };
-  return (pressed(SDL_CONTROLLER_BUTTON_LEFTSHOULDER) ? session::left_key : 0) |
-         (pressed(SDL_CONTROLLER_BUTTON_RIGHTSHOULDER) ? session::right_key : 0);
+  return (pressed(SDL_CONTROLLER_BUTTON_LEFTSHOULDER) ? scene::left_key : 0) |
+         (pressed(SDL_CONTROLLER_BUTTON_RIGHTSHOULDER) ? scene::right_key : 0);
 }
 
 Rumble contact_rumble(const session::LiveState& state, std::uint64_t since) {
   Rumble rumble;
-  const std::uint64_t oldest = state.marks > session::most_marks ? state.marks - session::most_marks : 0;
-  for (std::uint64_t k = std::max(since, oldest); k < state.marks; ++k) {
-    const session::ContactMark& mark = state.mark[k % session::most_marks];
+  const std::uint64_t oldest =
+      state.mark_count > session::max_marks ? state.mark_count - session::max_marks : 0;
+  for (std::uint64_t k = std::max(since, oldest); k < state.mark_count; ++k) {
+    const session::ContactMark& mark = state.marks[k % session::max_marks];
     const double size = mark.impulse.norm();
     const double strength = std::clamp(1 + std::log10(std::max(size, 1e-9)) / 3, 0.0, 1.0);
     double& motor = mark.begins ? rumble.impact : rumble.slide;
@@ -306,7 +307,7 @@ Rumble contact_rumble(const session::LiveState& state, std::uint64_t since) {
 
 void Gamepad::rumble(const session::LiveState& state) {
   const Rumble rumble = contact_rumble(state, rumbled_marks_);
-  rumbled_marks_ = state.marks;
+  rumbled_marks_ = state.mark_count;
   if (controller_ == nullptr || (rumble.impact <= 0 && rumble.slide <= 0)) return;
   const auto motor = [](double x) { return Uint16(65535 * std::clamp(x, 0.0, 1.0)); };
   SDL_GameControllerRumble(controller_, motor(rumble.impact), motor(rumble.slide), 60);

@@ -32,7 +32,7 @@ class InputController {
 
   void set_camera(const render::Camera& camera) { camera_ = ViewCamera(camera); }
   void reset() { ++controls_.resets; }
-  void single() { ++controls_.single; }
+  void single() { ++controls_.single_steps; }
   void home() { camera_.home(); }
   void set_window(double width, double height) { window_ = {width, height}; }
   // Gamepad input: sticks fly and turn, shoulders are the flippers.

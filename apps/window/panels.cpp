@@ -35,7 +35,7 @@ void time_panel(Settings& settings, const session::LiveState& state, PanelAction
 }
 
 void surface_panel(Settings& settings, const session::LiveSession& session) {
-  const session::Scene& scene = session.scene();
+  const scene::Scene& scene = session.scene();
   if (!ImGui::CollapsingHeader("Surface", ImGuiTreeNodeFlags_DefaultOpen)) return;
   int chosen = int(scene.surface.representation);
   for (int k = 0; k < 3; ++k) {
@@ -138,8 +138,8 @@ void timing_panel(session::LiveSession& session, const PanelData& data, const se
   if (!ImGui::CollapsingHeader("Timing", ImGuiTreeNodeFlags_DefaultOpen)) return;
   wrapped_text(
       fmt::format("picture   {:.1f} ms, {:.0f} % size", 1e3 * data.frame_seconds, 100 * data.picture_scale));
-  wrapped_text(
-      fmt::format("dynamics  {} per step, {} skipped", microseconds(state.step_seconds), state.late));
+  wrapped_text(fmt::format("dynamics  {} per step, {} skipped", microseconds(state.step_seconds),
+                           state.dropped_steps));
   const haptics::ServoLoop& servo = session.servo();
   wrapped_text(fmt::format("touch     {}, wake-up {} (p99)", microseconds(servo.compute().quantile(0.5)),
                            microseconds(servo.wake_up().quantile(0.99))));
@@ -257,9 +257,10 @@ class Pencil {
 
 void draw_marks(Pencil& pencil, const Settings& settings, const session::LiveState& state, double side) {
   constexpr double seconds = 0.25;  // until a mark has faded
-  const std::uint64_t first = state.marks > session::most_marks ? state.marks - session::most_marks : 0;
-  for (std::uint64_t k = first; k < state.marks; ++k) {
-    const session::ContactMark& mark = state.mark[k % session::most_marks];
+  const std::uint64_t first =
+      state.mark_count > session::max_marks ? state.mark_count - session::max_marks : 0;
+  for (std::uint64_t k = first; k < state.mark_count; ++k) {
+    const session::ContactMark& mark = state.marks[k % session::max_marks];
     const double age = state.time - mark.time;
     if (age < 0 || age > seconds) continue;
     const int alpha = int(255 * (1 - age / seconds));

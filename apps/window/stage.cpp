@@ -46,7 +46,7 @@ namespace {
 Loaded load(LoadRequest request) {
   Loaded loaded;
   if (!request.surface) {
-    auto surface = session::make_surface(request.scene);
+    auto surface = scene::make_surface(request.scene);
     if (surface) {
       request.surface = std::move(*surface);
     } else {
@@ -177,7 +177,7 @@ std::string PenDevice::connection_error(const Settings& settings) const {
                      : "";
 }
 
-session::Scene with_settings(session::Scene scene, const Settings& settings) {
+scene::Scene with_settings(scene::Scene scene, const Settings& settings) {
   if (settings.representation >= 0)
     scene.surface.representation = static_cast<Representation>(std::min(settings.representation, 2));
   if (settings.depth >= 0) scene.surface.depth = settings.depth;
@@ -208,7 +208,7 @@ Stage::~Stage() {
   if (audio_) audio_->stop();
 }
 
-void Stage::request_scene(const session::Scene& scene, const Settings& settings, bool keeps_bodies) {
+void Stage::request_scene(const scene::Scene& scene, const Settings& settings, bool keeps_bodies) {
   LoadRequest request;
   request.scene = with_settings(scene, settings);
   request.options = {settings.moves,
@@ -233,7 +233,7 @@ void Stage::request_scene(const session::Scene& scene, const Settings& settings,
 
 Result<void> Stage::drop(const std::filesystem::path& file, const Settings& settings) {
   if (file.extension() == ".toml") {
-    auto scene = session::read_scene(file);
+    auto scene = scene::read_scene(file);
     if (scene) {
       scene_file_ = file;
       request_scene(*scene, settings, false);
@@ -246,8 +246,8 @@ Result<void> Stage::drop(const std::filesystem::path& file, const Settings& sett
             std::string_view::npos)
       return tl::unexpected(scene.error());
   }
-  session::Scene scene = scene_;
-  session::put_texture(scene.surface, file.string());
+  scene::Scene scene = scene_;
+  scene::put_texture(scene.surface, file.string());
   request_scene(scene, settings, false);
   return {};
 }
@@ -272,9 +272,9 @@ std::string Stage::update(const Settings& settings, double now) {
   if (requested_settings_ && needs_new_session(settings, *requested_settings_))
     request_scene(requested_scene_, settings, true);
   if (!watch_.has_changed(now) || loader_.is_busy()) return "";
-  session::Scene scene = scene_;
+  scene::Scene scene = scene_;
   if (!scene_file_.empty()) {
-    auto read = session::read_scene(scene_file_);
+    auto read = scene::read_scene(scene_file_);
     if (!read) return read.error().message();
     // A texture that was dropped stays.
     if (scene_.name != scene_file_.string() || read->surface.texture == scene_.surface.texture) scene = *read;
@@ -293,14 +293,14 @@ bool Stage::take_loaded(std::string& message) {
   }
   if (session_) {
     session_->stop();
-    loaded->session->count_from(*session_);
+    loaded->session->continue_counters(*session_);
   }
   if (session_ && loaded->request.keeps_bodies) loaded->session->follow(*session_);
   const bool is_other = !session_ || !loaded->request.keeps_bodies;
   scene_ = requested_scene_;
   session_ = std::move(loaded->session);
   session_pen_ = std::move(loaded->request.device);
-  picture_ = std::make_unique<session::ScenePicture>(session_->scene(), session_->surface());
+  picture_ = std::make_unique<scene::ScenePicture>(session_->scene(), session_->surface());
   if (auto shown = show(); !shown) message = shown.error().message();
   session_->start(&tap_, &baker_);
   std::vector<std::filesystem::path> files;
@@ -315,7 +315,7 @@ bool Stage::take_loaded(std::string& message) {
 
 Result<void> Stage::show() {
   if (!renderer_) return {};
-  auto parts = session::surface_parts(session_->scene(), session_->surface());
+  auto parts = scene::surface_parts(session_->scene(), session_->surface());
   for (render::SurfacePart& part : parts) part.displaced_mesh_cells = drawn_.mesh_cells;
   return renderer_->show(parts);
 }
@@ -345,7 +345,7 @@ Result<void> Stage::draw(const render::Camera& camera, const Settings& settings,
   if (has_new_parts)
     if (auto shown = show(); !shown) return shown;
   const session::LiveState& state = session_->state();
-  const session::Scene& scene = session_->scene();
+  const scene::Scene& scene = session_->scene();
   const std::size_t balls = std::min(scene.balls.size(), state.bodies);
   const std::optional<Vec3> tip =
       settings.pen || session_pen_ ? std::optional<Vec3>(state.pen.proxy) : std::nullopt;

@@ -36,11 +36,11 @@ class FileWatch {
 };
 
 struct LoadRequest {
-  session::Scene scene;
-  session::LiveOptions options;
-  std::shared_ptr<haptics::Device> device;       // the pen's; none: the mouse
-  std::optional<session::SceneSurface> surface;  // if already loaded
-  bool keeps_bodies = false;                     // bodies keep their state
+  scene::Scene scene;
+  session::LiveSessionOptions options;
+  std::shared_ptr<haptics::Device> device;     // the pen's; none: the mouse
+  std::optional<scene::SceneSurface> surface;  // if already loaded
+  bool keeps_bodies = false;                   // bodies keep their state
 };
 
 struct Loaded {
@@ -98,7 +98,7 @@ class Stage {
   ~Stage();
 
   // Loads a scene asynchronously; the current one runs until it is ready.
-  void request_scene(const session::Scene& scene, const Settings& settings, bool keeps_bodies);
+  void request_scene(const scene::Scene& scene, const Settings& settings, bool keeps_bodies);
   // A dropped file: a scene, or a texture for the floor; an error if it is neither.
   Result<void> drop(const std::filesystem::path& file, const Settings& settings);
   // Reloads when settings or files have changed. Returns a message, or empty.
@@ -109,7 +109,7 @@ class Stage {
   bool take_loaded(std::string& message);
 
   session::LiveSession* session() { return session_.get(); }
-  const session::Scene& scene() const { return scene_; }  // as its file has it, without the panels' changes
+  const scene::Scene& scene() const { return scene_; }  // as its file has it, without the panels' changes
   void set_scene_file(const std::filesystem::path& file) { scene_file_ = file; }
   // Uses the shaders of this folder, and reloads them when they change.
   void set_shaders(const std::filesystem::path& folder);
@@ -135,11 +135,11 @@ class Stage {
   };
 
   session::AudioTap tap_;
-  session::VoiceBaker baker_;
+  scene::VoiceBaker baker_;
   std::unique_ptr<sound::AudioDevice> audio_;
   PenDevice pen_;
   Loader loader_;
-  session::Scene scene_, requested_scene_;
+  scene::Scene scene_, requested_scene_;
   std::optional<Settings> requested_settings_;
   std::filesystem::path scene_file_;
   FileWatch watch_, shader_watch_;
@@ -147,12 +147,12 @@ class Stage {
   bool reload_shaders_ = false;                   // the renderer does not have those of the folder yet
   std::shared_ptr<haptics::Device> session_pen_;  // of session_, which it must outlive
   std::unique_ptr<session::LiveSession> session_;
-  std::unique_ptr<session::ScenePicture> picture_;
+  std::unique_ptr<scene::ScenePicture> picture_;
   std::unique_ptr<render::Renderer> renderer_;
   PictureOptions drawn_;
 };
 
 // The scene with the panels' changes.
-session::Scene with_settings(session::Scene scene, const Settings& settings);
+scene::Scene with_settings(scene::Scene scene, const Settings& settings);
 
 }  // namespace intaglio::window

@@ -121,7 +121,7 @@ double ray_shape(const contact::Shape& shape, const Vec3& o, const Vec3& d) {
 
 }  // namespace
 
-std::optional<Picked> pick_body(const session::Scene& scene, std::span<const Pose> poses, const Vec3& origin,
+std::optional<Picked> pick_body(const scene::Scene& scene, std::span<const Pose> poses, const Vec3& origin,
                                 const Vec3& direction) {
   Picked best{floor_body, Vec3::Zero(), no_hit};
   for (std::size_t k = 0; k < poses.size(); ++k) {

@@ -56,7 +56,7 @@ struct Picked {
 
 // The nearest body on the ray (`direction` unit): balls exactly, other bodies approximated by spheres and
 // boxes.
-std::optional<Picked> pick_body(const session::Scene& scene, std::span<const Pose> poses, const Vec3& origin,
+std::optional<Picked> pick_body(const scene::Scene& scene, std::span<const Pose> poses, const Vec3& origin,
                                 const Vec3& direction);
 
 // Where the ray meets the floor's relief, or its base plane outside the rectangle.

@@ -5,13 +5,13 @@
 #include <sys/random.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <memory>
 #include <system_error>
-#include <fmt/format.h>
 
 #include "core/text.h"
 
@@ -148,6 +148,16 @@ Result<void> write_file(const fs::path& path, std::span<const std::uint8_t> byte
 
 Result<void> write_file(const fs::path& path, std::string_view text) {
   return write_file(path, std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+}
+
+OutputFiles::~OutputFiles() {
+  std::error_code ignored;
+  for (const std::filesystem::path& path : paths_) std::filesystem::remove(path, ignored);
+}
+
+void OutputFiles::add(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) paths_.push_back(path);
 }
 
 }  // namespace intaglio

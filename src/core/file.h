@@ -35,6 +35,22 @@ Result<std::filesystem::path> create_temporary(const std::filesystem::path& path
 // latter.
 Result<void> check_writable(const std::filesystem::path& path);
 
+// The files of a job that fails as a whole: those that it created are removed again unless keep() is called.
+class OutputFiles {
+ public:
+  OutputFiles() = default;
+  ~OutputFiles();
+  OutputFiles(const OutputFiles&) = delete;
+  OutputFiles& operator=(const OutputFiles&) = delete;
+
+  // Call before the file is written: one that exists already is not removed.
+  void add(const std::filesystem::path& path);
+  void keep() { paths_.clear(); }
+
+ private:
+  std::vector<std::filesystem::path> paths_;
+};
+
 // Checks that the extension (in any case) matches the format written, for example ".wav" for `kind` "a WAV
 // file": programs choose the format by the name, and a mistyped name must not replace a file of another kind.
 Result<void> check_extension(const std::filesystem::path& path, const std::string& extension,

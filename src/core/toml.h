@@ -48,12 +48,30 @@ class TomlReader {
       : table_(table), name_(std::move(name)), path_(std::move(path)), error_(error) {}
 
   void number(const char* key, double& value, const Range& range);
+  // Leaves `value` unset when the key is absent.
+  void number(const char* key, std::optional<double>& value, const Range& range) {
+    if (has(key)) return number(key, value.emplace(), range);
+    optional_key(key);
+  }
   void integer(const char* key, int& value, const Range& range);
   void string(const char* key, std::string& value);
   void vec3(const char* key, Vec3& value);
   void vec2(const char* key, Vec2& value, const Range& range);
   // One of `names`; `value` becomes its index.
   void choice(const char* key, const std::vector<std::string>& names, int& value);
+  // The same for an enumeration whose values are in the order of `names`.
+  template <class Enum>
+  void choice(const char* key, const std::vector<std::string>& names, Enum& value) {
+    int index = int(value);
+    choice(key, names, index);
+    value = Enum(index);
+  }
+  template <class Enum>
+  void choice(const char* key, const std::vector<std::string>& names, std::optional<Enum>& value) {
+    int index = -1;
+    choice(key, names, index);
+    if (index >= 0) value = Enum(index);
+  }
   // Rows of `columns` numbers each.
   void rows(const char* key, std::size_t columns, std::vector<std::vector<double>>& value);
   // A sub-table; `read` is called if it is present.

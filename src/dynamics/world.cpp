@@ -132,6 +132,10 @@ Pose World::drawn_pose(BodyId body) const {
 Vec3 World::velocity(BodyId body) const {
   return from_bullet(state_->body(body).rigid->getLinearVelocity());
 }
+Vec3 World::drawn_velocity(BodyId body) const {
+  const Vec3 simulated = velocity(body);
+  return state_->drawn ? state_->drawn->velocity(simulated) : simulated;
+}
 Vec3 World::angular_velocity(BodyId body) const {
   return from_bullet(state_->body(body).rigid->getAngularVelocity());
 }
@@ -145,8 +149,10 @@ void World::push(BodyId body, const Vec3& impulse, const Vec3& point) {
   State::Body& pushed = state_->body(body);
   if (!pushed.is_simulated() || pushed.motion != Motion::free) return;
   btRigidBody& rigid = *pushed.rigid;
+  const Vec3 simulated =
+      state_->drawn ? state_->pose(pushed).to_world(state_->drawn_pose(pushed).to_local(point)) : point;
   rigid.activate(true);
-  rigid.applyImpulse(to_bullet(impulse), to_bullet(point) - rigid.getWorldTransform().getOrigin());
+  rigid.applyImpulse(to_bullet(impulse), to_bullet(simulated) - rigid.getWorldTransform().getOrigin());
 }
 void World::drive(BodyId body, const Pose& pose) {
   State::Body& driven = state_->body(body);

@@ -99,7 +99,7 @@ class World {
 
   // An impulse through the body's centre (N s), from something outside this world: a pen. Wakes the body.
   void push(BodyId body, const Vec3& impulse);
-  // The same at a point of the body, world frame: it turns as well.
+  // The same at a point of the body as drawn, world frame: it turns as well.
   void push(BodyId body, const Vec3& impulse, const Vec3& point);
   // Teleports the body; velocities as for add().
   void put(BodyId body, const Pose& pose, const Vec3& velocity, const Vec3& angular_velocity);
@@ -116,7 +116,9 @@ class World {
   // drawn, and heard, on the flat floor (DrawnFrame). Everywhere else both are the same.
   Pose pose(BodyId body) const;
   Pose drawn_pose(BodyId body) const;
+  // Likewise; what put() takes is the drawn one.
   Vec3 velocity(BodyId body) const;
+  Vec3 drawn_velocity(BodyId body) const;
   Vec3 angular_velocity(BodyId body) const;
   // Status bits after the last step: those of contact::status, and the two above.
   unsigned status(BodyId body) const;

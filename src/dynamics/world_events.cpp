@@ -11,9 +11,6 @@ namespace intaglio::dynamics {
 
 namespace {
 
-// Triangles with a smaller ratio of area to squared side in the texture have no direction along u and v.
-constexpr double min_area = 1e-4;
-
 // Impulse on body A at one contact over the last step, N s.
 Vec3 impulse_of(const btManifoldPoint& point) {
   return from_bullet(point.m_normalWorldOnB) * double(point.m_appliedImpulse) +
@@ -85,12 +82,7 @@ World::State::Texture World::State::texture(const Side& side, const Vec3& normal
   if (skin) {
     const surface::BasePoint base = skin->base().at(site.triangle, site.weights);
     out.n_g = turn * base.n;
-    out.sweep = Eigen::Matrix<double, 2, 3>::Zero();
-    const Eigen::Matrix2d stretch = skin->base().stretch(base);
-    if (std::abs(stretch.determinant()) < min_area * stretch.squaredNorm()) return out;
-    Eigen::Matrix<double, 2, 3> axes;
-    axes << (turn * base.t).transpose(), (turn * base.b).transpose();
-    out.sweep = skin->surface().placement().size().asDiagonal() * stretch.inverse() * axes;
+    out.sweep = skin->sweep(base, turn);
     return out;
   }
   const surface::Surface& face =

@@ -56,6 +56,12 @@ Vec3 DrawnFrame::point(const Vec3& simulated) const {
   return simulated - place.to_local(simulated).z() * place.n();
 }
 
+Vec3 DrawnFrame::velocity(const Vec3& simulated) const {
+  const surface::Placement& place = map_.placement();
+  const Vec3 local = place.direction_to_local(simulated);
+  return simulated - mean_slope_.dot(local.head<2>()) * place.n();
+}
+
 Pose DrawnFrame::simulated(const contact::Shape& shape, const Pose& drawn) const {
   const double gap = flat_gap(map_, shape, drawn);
   const Vec3 n = map_.placement().n();

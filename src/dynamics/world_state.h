@@ -31,6 +31,7 @@ class DrawnFrame {
   // From simulated to drawn.
   Pose pose(const contact::Shape& shape, const Pose& simulated) const;
   Vec3 point(const Vec3& simulated) const;
+  Vec3 velocity(const Vec3& simulated) const;
   // From drawn to simulated.
   Pose simulated(const contact::Shape& shape, const Pose& drawn) const;
   Vec3 simulated_velocity(const Vec3& drawn) const;

@@ -46,6 +46,7 @@ struct ServoReport {
 
   double time = 0;
   Vec3 tip = Vec3::Zero(), proxy = Vec3::Zero(), force = Vec3::Zero();  // world; N as sent
+  Vec3 velocity = Vec3::Zero();  // m/s of the tip, filtered, relative to the textured body
   bool touching = false;
   std::uint32_t guard_status = 0;
   std::size_t ticks = 0;

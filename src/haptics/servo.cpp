@@ -165,6 +165,7 @@ void PenServo::update_report(const Wrench& about_body, const ServoSample& sample
   report_.time = time;
   report_.tip = sample.tip;
   report_.proxy = sample.proxy;
+  report_.velocity = sample.velocity;
   report_.force = sample.force;
   report_.touching = sample.touching;
   report_.guard_status = sample.guard_status;

@@ -113,6 +113,16 @@ Vec3 ReliefMesh::point(int triangle, const Vec3& weights) const {
   return data_->base.to_world(triangle, weights, -data_->surface->depth(base.uv));
 }
 
+Eigen::Matrix<double, 2, 3> ReliefMesh::sweep(const BasePoint& under, const Quat& orientation) const {
+  constexpr double least_area = 1e-4;  // of a triangle in the texture, relative to its sides squared
+  const Eigen::Matrix2d stretch = base().stretch(under);
+  if (std::abs(stretch.determinant()) < least_area * stretch.squaredNorm())
+    return Eigen::Matrix<double, 2, 3>::Zero();
+  Eigen::Matrix<double, 2, 3> along;
+  along << (orientation * under.t).transpose(), (orientation * under.b).transpose();
+  return surface().placement().size().asDiagonal() * stretch.inverse() * along;
+}
+
 BasePoint ReliefMesh::under(int triangle, const Vec2& weights) const {
   const Vec3 all(1 - weights[0] - weights[1], weights[0], weights[1]);
   BasePoint out = data_->base.at(triangle, all);

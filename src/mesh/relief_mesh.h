@@ -110,6 +110,10 @@ class ReliefMesh {
   // The same from the point alone: of the triangle whose relief holds it.
   std::optional<BasePoint> under(int triangle, const Vec3& point) const;
 
+  // Metres of the texture, along u and v, that a metre of motion in the world sweeps over, with the mesh turned
+  // by `orientation`. Zero where a triangle is too flat to have directions along u and v.
+  Eigen::Matrix<double, 2, 3> sweep(const BasePoint& under, const Quat& orientation) const;
+
   ReliefTriangle triangle(int k) const;
   const ReliefCells& cells() const { return data_->cells; }
 

@@ -17,18 +17,18 @@ Result<void> save_report(const Recording& recording, const std::filesystem::path
     if (!bytes) return tl::unexpected(bytes.error());
     video = std::move(*bytes);
   }
-  return write_file(html, session::report_html(recording.impl().recording, video));
+  return write_file(html, report::report_html(recording.impl().recording, video));
 }
 
 Result<void> save_texture_page(const std::filesystem::path& texture, const std::filesystem::path& html) {
   const auto found = surface::inspect(texture, {});
   if (!found) return tl::unexpected(found.error());
-  return write_file(html, session::inspection_html(*found, texture.filename().string()));
+  return write_file(html, report::inspection_html(*found, texture.filename().string()));
 }
 
 Result<std::string> texture_json(const std::filesystem::path& texture) {
   return surface::inspect(texture, {}).map([](const surface::Inspection& found) {
-    return session::inspection_json(found);
+    return report::inspection_json(found);
   });
 }
 

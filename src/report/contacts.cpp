@@ -9,30 +9,30 @@
 #include "report/html.h"
 #include "report/svg_plot.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 namespace {
 
 constexpr double impact_seconds = 0.010;
 
 double series_seconds(std::size_t samples, int rate) {
-  return rate > 0 ? static_cast<double>(samples) / rate : 0;
+  return rate > 0 ? double(samples) / rate : 0;
 }
 
 }  // namespace
 
-double shown_duration(const Recording& recording) {
+double shown_duration(const session::Recording& recording) {
   if (std::isfinite(recording.duration) && recording.duration > 1e-6 && recording.duration < 1e6)
     return recording.duration;
   double longest = std::max(series_seconds(recording.audio.size(), recording.sample_rate),
                             series_seconds(recording.servo.size(), recording.servo_rate));
-  for (const BallTrack& ball : recording.balls) {
+  for (const session::BallTrack& ball : recording.balls) {
     longest = std::max(longest, series_seconds(ball.position.size(), recording.physics_rate));
   }
   return longest > 0 ? longest : 1;
 }
 
-std::vector<Impact> impacts_of(const Recording& recording) {
+std::vector<Impact> find_impacts(const session::Recording& recording) {
   std::vector<Impact> impacts;
   std::map<BodyId, std::size_t> last;  // of each body, an index into impacts
   for (const ContactEvent& event : recording.events) {
@@ -64,31 +64,31 @@ std::vector<Impact> strongest(std::vector<Impact> impacts, std::size_t count, do
   return kept;
 }
 
-std::string body_name(const Recording& recording, BodyId body) {
-  for (const Voice& voice : recording.voices) {
+std::string body_name(const session::Recording& recording, BodyId body) {
+  for (const scene::Voice& voice : recording.voices) {
     if (voice.body == body && !voice.name.empty()) return voice.name;
   }
   if (body == floor_body) return "floor";
   return body == recording.pen ? "pen" : fmt::format("ball {}", body);
 }
 
-std::vector<TimeSpan> pen_touches(const Recording& recording) {
+std::vector<TimeSpan> pen_touches(const session::Recording& recording) {
   std::vector<TimeSpan> spans;
   if (recording.servo_rate <= 0) return spans;
   const double tick = 1.0 / recording.servo_rate;
   bool touching = false;
   for (std::size_t k = 0; k < recording.servo.size(); ++k) {
-    const double time = static_cast<double>(k) * tick;
+    const double time = double(k) * tick;
     if (recording.servo[k].touching) {
       if (!touching) spans.push_back({time, time});
       spans.back().end = time + tick;
     }
     touching = recording.servo[k].touching;
   }
-  return joined(std::move(spans), shown_duration(recording));
+  return merged(std::move(spans), shown_duration(recording));
 }
 
-std::vector<TimeSpan> joined(std::vector<TimeSpan> spans, double duration) {
+std::vector<TimeSpan> merged(std::vector<TimeSpan> spans, double duration) {
   std::sort(spans.begin(), spans.end(),
             [](const TimeSpan& a, const TimeSpan& b) { return a.begin < b.begin; });
   std::vector<TimeSpan> out;
@@ -104,7 +104,7 @@ std::vector<TimeSpan> joined(std::vector<TimeSpan> spans, double duration) {
   return out;
 }
 
-double total_seconds(std::span<const TimeSpan> spans) {
+double total_duration(std::span<const TimeSpan> spans) {
   double sum = 0;
   for (const TimeSpan& span : spans) sum += span.end - span.begin;
   return sum;
@@ -120,7 +120,7 @@ struct MapView {
   Axis x, y;
 
   double height() const { return y.units().low + map_bottom; }
-  bool holds(const Vec3& local) const {
+  bool contains(const Vec3& local) const {
     const Range &u = x.values(), &v = y.values();
     return local.x() >= u.low && local.x() <= u.high && local.y() >= v.low && local.y() <= v.high;
   }
@@ -135,24 +135,23 @@ MapView map_view(const Range& u, const Range& v) {
 Image8 height_image(const surface::Surface& surface, const MapView& view) {
   const Range &u = view.x.values(), &v = view.y.values();
   const double drawn_width = view.x.units().size(), drawn_height = -view.y.units().size();
-  Image8 image(static_cast<int>(drawn_width * 1.25), static_cast<int>(drawn_height * 1.25), 3);
+  Image8 image(int(drawn_width * 1.25), int(drawn_height * 1.25), 3);
   for (int j = 0; j < image.height; ++j) {
     for (int i = 0; i < image.width; ++i) {
       const Vec3 local(u.low + (i + 0.5) / image.width * u.size(),
                        v.high - (j + 0.5) / image.height * v.size(), 0);
       const double depth = surface.depth(surface.placement().uv(local));
       const Rgb colour = stone(surface.max_depth() > 0 ? 1 - depth / surface.max_depth() : 1);
-      for (int c = 0; c < 3; ++c) image.at(i, j, c) = colour[static_cast<std::size_t>(c)];
+      for (int c = 0; c < 3; ++c) image.at(i, j, c) = colour[std::size_t(c)];
     }
   }
   return image;
 }
 
-// The way of a body in runs of one tint each, from dark at the start of time to bright at its end. Breaks
-// outside the view.
+// Draws a body's path as polylines of increasing brightness; broken outside the view.
 template <class PositionAt>
-void draw_way(SvgPlot& plot, const MapView& view, const surface::Placement& placement, std::size_t count,
-              std::string_view body, PositionAt&& position_at) {
+void draw_path(SvgPlot& plot, const MapView& view, const surface::Placement& placement, std::size_t count,
+               std::string_view body, PositionAt&& position_at) {
   constexpr std::size_t tints = 32;
   for (std::size_t tint = 0; tint < tints; ++tint) {
     std::vector<double> xs, ys;
@@ -165,12 +164,12 @@ void draw_way(SvgPlot& plot, const MapView& view, const surface::Placement& plac
     const std::size_t begin = count * tint / tints, end = std::min(count * (tint + 1) / tints + 1, count);
     for (std::size_t k = begin; k < end; ++k) {
       const Vec3 local = placement.to_local(position_at(k));
-      if (!local.allFinite() || !view.holds(local)) {
+      if (!local.allFinite() || !view.contains(local)) {
         flush();
         continue;
       }
       const double x = view.x(local.x()), y = view.y(local.y());
-      // Half a unit is as fine as can be seen; the last point of a tint joins it to the next.
+      // Skip points closer than half a unit, but keep a tint's last: it connects to the next tint.
       if (!xs.empty() && k + 1 < end && std::hypot(x - xs.back(), y - ys.back()) < 0.5) continue;
       xs.push_back(x);
       ys.push_back(y);
@@ -179,7 +178,7 @@ void draw_way(SvgPlot& plot, const MapView& view, const surface::Placement& plac
   }
 }
 
-double largest_impulse(const Recording& recording) {
+double largest_impulse(const session::Recording& recording) {
   double largest = 0;
   for (const ContactEvent& event : recording.events) {
     const double size = event.impulse.norm();
@@ -188,10 +187,10 @@ double largest_impulse(const Recording& recording) {
   return largest;
 }
 
-// The strongest contacts of the balls, area by impulse. The pen's are its way.
-void draw_contacts(SvgPlot& plot, const MapView& view, const Recording& recording) {
+// Dots at the balls' strongest contacts, area proportional to impulse; the pen's show as its path.
+void draw_contacts(SvgPlot& plot, const MapView& view, const session::Recording& recording) {
   const double largest = largest_impulse(recording);
-  const double least = 0.02 * largest;  // rolling is many small contacts: their dots would hide the way
+  const double least = 0.02 * largest;  // rolling is many small contacts, whose dots would hide the path
   std::vector<const ContactEvent*> events;
   for (const ContactEvent& event : recording.events) {
     const double size = event.impulse.norm();
@@ -203,28 +202,29 @@ void draw_contacts(SvgPlot& plot, const MapView& view, const Recording& recordin
   if (events.size() > most_dots) events.resize(most_dots);
   for (const ContactEvent* event : events) {
     const Vec3 local = recording.surface->placement().to_local(event->point);
-    if (!view.holds(local)) continue;
+    if (!view.contains(local)) continue;
     const double impulse = event->impulse.norm();
     plot.circle(view.x(local.x()), view.y(local.y()), 10 * std::sqrt(impulse / largest),
-                fmt::format("hit {}", body_class(event->body, recording.pen)),
-                fmt::format("{}, {} s: {} N s", body_name(recording, event->body), number(event->time, 3),
-                            number(impulse)));
+                fmt::format("hit {}", body_css_class(event->body, recording.pen)),
+                fmt::format("{}, {} s: {} N s", body_name(recording, event->body),
+                            format_number(event->time, 3), format_number(impulse)));
   }
 }
 
-std::string map_svg(const Recording& recording, const MapView& view, std::string_view title) {
+std::string map_svg(const session::Recording& recording, const MapView& view, std::string_view title) {
   const surface::Placement& placement = recording.surface->placement();
-  SvgPlot plot(map_width, view.height(), "plot map", title,
-               "Height map seen from above, with the ways of balls and pen drawn over it, and a dot for each "
-               "contact.");
+  SvgPlot plot(
+      map_width, view.height(), "plot map", title,
+      "Height map seen from above, with the paths of balls and pen drawn over it, and a dot for each "
+      "contact.");
   const Range &x = view.x.units(), &y = view.y.units();
   plot.image(x.low, y.high, x.size(), y.low - y.high, data_uri(height_image(*recording.surface, view)));
-  for (const BallTrack& ball : recording.balls) {
-    draw_way(plot, view, placement, ball.position.size(), body_class(ball.body, recording.pen),
-             [&](std::size_t k) { return ball.position[k]; });
+  for (const session::BallTrack& ball : recording.balls) {
+    draw_path(plot, view, placement, ball.position.size(), body_css_class(ball.body, recording.pen),
+              [&](std::size_t k) { return ball.position[k]; });
   }
   draw_contacts(plot, view, recording);
-  draw_way(plot, view, placement, recording.servo.size(), "pen", [&](std::size_t k) {
+  draw_path(plot, view, placement, recording.servo.size(), "pen", [&](std::size_t k) {
     const haptics::ServoSample& sample = recording.servo[k];
     return sample.touching ? sample.tip : Vec3::Constant(std::nan("")).eval();
   });
@@ -234,8 +234,8 @@ std::string map_svg(const Recording& recording, const MapView& view, std::string
   return plot.finish();
 }
 
-// Where the pen touched, with some room: empty when that is not small, or nowhere.
-std::vector<Range> pen_close_up(const Recording& recording) {
+// Bounds of the pen's touches with a margin; empty if there are none or they span most of the surface.
+std::vector<Range> pen_close_up(const session::Recording& recording) {
   const surface::Placement& placement = recording.surface->placement();
   std::vector<double> us, vs;
   for (const haptics::ServoSample& sample : recording.servo) {
@@ -256,26 +256,27 @@ std::vector<Range> pen_close_up(const Recording& recording) {
 }
 
 std::string direction_text(const Vec3& v) {
-  return fmt::format("({}, {}, {})", number(v.x(), 2), number(v.y(), 2), number(v.z(), 2));
+  return fmt::format("({}, {}, {})", format_number(v.x(), 2), format_number(v.y(), 2),
+                     format_number(v.z(), 2));
 }
 
-std::string key_html(const Recording& recording) {
+std::string key_html(const session::Recording& recording) {
   std::string html = "<ul class=\"key\">\n";
   const auto way = [&](std::string_view body, const std::string& name) {
-    html +=
-        fmt::format("<li><span class=\"ramp {}\"></span>{}, from start to end</li>\n", body, escaped(name));
+    html += fmt::format("<li><span class=\"ramp {}\"></span>{}, from start to end</li>\n", body,
+                        escape_html(name));
   };
-  for (const BallTrack& ball : recording.balls)
-    way(body_class(ball.body, recording.pen), body_name(recording, ball.body));
+  for (const session::BallTrack& ball : recording.balls)
+    way(body_css_class(ball.body, recording.pen), body_name(recording, ball.body));
   if (!recording.servo.empty()) way("pen", body_name(recording, recording.pen) + ", touching");
   if (const double largest = largest_impulse(recording); largest > 0) {
     html += fmt::format(
         "<li><span class=\"dot\"></span>contact, area by impulse, at most {}&nbsp;N&nbsp;s</li>\n",
-        number(largest));
+        format_number(largest));
   }
   html += fmt::format(
       "<li><span class=\"ramp stone\"></span>height of the surface, {} to 0&nbsp;mm</li>\n</ul>\n",
-      number(-1e3 * recording.surface->max_depth()));
+      format_number(-1e3 * recording.surface->max_depth()));
   const surface::Placement& placement = recording.surface->placement();
   return html + fmt::format(
                     "<p class=\"note\">From above, against the normal; +u to the right and +v up, as in the "
@@ -286,7 +287,7 @@ std::string key_html(const Recording& recording) {
 
 }  // namespace
 
-std::string seen_html(const Recording& recording) {
+std::string seen_html(const session::Recording& recording) {
   if (!recording.surface) return "<p>No surface was recorded.</p>\n";
   const surface::Placement& placement = recording.surface->placement();
   std::string html = "<div class=\"maps\">\n<figure>\n";
@@ -301,4 +302,4 @@ std::string seen_html(const Recording& recording) {
   return html + "<div class=\"aside\">\n" + key_html(recording) + "</div>\n</div>\n";
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

@@ -7,10 +7,10 @@
 #include "core/file.h"
 #include "haptics/haptic_log.h"
 #include "report/html.h"
-#include "report/tracks.h"
-#include "session/simulation.h"
+#include "report/report.h"
+#include "session/scene_loop.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 Result<haptics::HapticLog> read_haptic_log(const std::filesystem::path& path) {
   const auto bytes = read_file(path);
@@ -30,7 +30,7 @@ std::string haptic_summary(const haptics::HapticLog& log) {
     warm += (s.guard_status & haptics::guard_status::thermally_limited) != 0;
     most = std::max(most, s.force.norm());
   }
-  const auto seconds = [&](std::size_t ticks) { return static_cast<double>(ticks) / log.rate; };
+  const auto seconds = [&](std::size_t ticks) { return double(ticks) / log.rate; };
   return fmt::format(
       "{:.1f} s at {:.0f} Hz on \"{}\"\n  touching for {:.2f} s, at most {:.2f} N\n  guard: in fault for {:.2f} s, held "
       "to the continuous force for {:.2f} s\n",
@@ -39,34 +39,34 @@ std::string haptic_summary(const haptics::HapticLog& log) {
 }
 
 std::string haptic_page(const haptics::HapticLog& log, const std::string& title) {
-  Recording recording;
-  recording.duration = static_cast<double>(log.samples.size()) / log.rate;
-  recording.servo_rate = static_cast<int>(log.rate);
+  session::Recording recording;
+  recording.duration = double(log.samples.size()) / log.rate;
+  recording.servo_rate = int(log.rate);
   recording.servo = log.samples;
   recording.pen = 1;
-  return fmt::format(
-      "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{0}</title>\n<style>\n{1}\n</style>\n"
-      "</head>\n<body>\n<main>\n<h1>{0}</h1>\n<section>\n<h2>Felt</h2>\n{2}</section>\n</main>\n</body>\n</html>\n",
-      escaped(title), report_css, felt_html(recording));
+  return page_head(title, report_css) +
+         fmt::format("<h1>{}</h1>\n<section>\n<h2>Felt</h2>\n{}</section>\n", escape_html(title),
+                     felt_html(recording)) +
+         std::string(page_end);
 }
 
-Result<Replayed> replay(const haptics::HapticLog& log, const Scene& scene) {
-  if (!scene.pen) return fail(scene.name, "the scene has no pen", "a [pen] table says how it is felt");
+Result<Replayed> replay(const haptics::HapticLog& log, const scene::Scene& scene) {
+  if (!scene.pen) return fail(scene.name, "the scene has no pen", "add a [pen] table");
   if (scene.pen->device.rate != log.rate) {
     return fail(scene.name,
                 fmt::format("its servo rate is {} Hz, the log's {} Hz", scene.pen->device.rate, log.rate),
                 "set pen.device_rate to the log's");
   }
-  const auto made = make_surface(scene);
+  const auto made = scene::make_surface(scene);
   if (!made) return tl::unexpected(made.error());
-  haptics::PenServo servo(made->surface, pen_options(scene, made->material));
+  haptics::PenServo servo = session::PenLink(scene, *made, scene.surface.representation).make_servo();
   haptics::ReplayDevice device(log.samples);
   haptics::SceneSnapshot at_rest;
   for (std::size_t tick = 0; !device.at_end(); ++tick) {
-    at_rest.time = static_cast<double>(tick) / log.rate;
+    at_rest.time = double(tick) / log.rate;
     servo.tick(device, at_rest, at_rest.time);
   }
   return Replayed{device.largest_difference(), haptics::fingerprint(*made->surface) == log.surface};
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

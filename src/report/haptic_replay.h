@@ -1,4 +1,4 @@
-// A recorded session of touch, looked at and felt again.
+// Reads, plots and replays haptic logs.
 #pragma once
 
 #include <filesystem>
@@ -7,11 +7,11 @@
 #include "haptics/haptic_log.h"
 #include "scene/scene.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 Result<haptics::HapticLog> read_haptic_log(const std::filesystem::path& path);
 
-// A few lines: how long, on what, how strong, what the guard did.
+// A short text summary: duration, texture, force, what the guard did.
 std::string haptic_summary(const haptics::HapticLog& log);
 
 // A self-contained page with height and force over time.
@@ -22,8 +22,8 @@ struct Replayed {
   bool same_surface = false;      // the log's fingerprint is the scene's
 };
 
-// The recorded motion of the device on the scene's surface, by the scene's method; balls are left out.
-// Errors: the scene has no pen, its surface cannot be made, its servo rate is not the log's.
-Result<Replayed> replay(const haptics::HapticLog& log, const Scene& scene);
+// Replays the recorded device motion on the scene's floor and grounds, by the scene's method, without balls.
+// Errors: the scene has no pen, its surface cannot be built, its servo rate is not the log's.
+Result<Replayed> replay(const haptics::HapticLog& log, const scene::Scene& scene);
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

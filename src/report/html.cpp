@@ -5,27 +5,27 @@
 #include <algorithm>
 #include <cmath>
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 namespace {
 
 constexpr std::string_view unknown = "–";
 
-// Mean of the pixels of `image` that fall into pixel (x, y) of an image that is `scale` times smaller.
+// Mean of the pixels of `image` that fall into pixel (x, y) of an image `scale` times smaller.
 std::uint8_t box_mean(const Image8& image, int x, int y, int c, double scale) {
-  const int x0 = static_cast<int>(x * scale), y0 = static_cast<int>(y * scale);
-  const int x1 = std::clamp(static_cast<int>((x + 1) * scale), x0 + 1, image.width);
-  const int y1 = std::clamp(static_cast<int>((y + 1) * scale), y0 + 1, image.height);
+  const int x0 = int(x * scale), y0 = int(y * scale);
+  const int x1 = std::clamp(int((x + 1) * scale), x0 + 1, image.width);
+  const int y1 = std::clamp(int((y + 1) * scale), y0 + 1, image.height);
   int sum = 0;
   for (int j = y0; j < y1; ++j) {
     for (int i = x0; i < x1; ++i) sum += image.at(i, j, c);
   }
-  return static_cast<std::uint8_t>(sum / ((x1 - x0) * (y1 - y0)));
+  return std::uint8_t(sum / ((x1 - x0) * (y1 - y0)));
 }
 
 }  // namespace
 
-std::string escaped(std::string_view text) {
+std::string escape_html(std::string_view text) {
   std::string out;
   out.reserve(text.size());
   for (const char c : text) {
@@ -52,7 +52,7 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-std::string number(double value, int decimals) {
+std::string format_number(double value, int decimals) {
   if (!std::isfinite(value)) return std::string(unknown);
   if (std::abs(value) >= 1e15) return fmt::format("{:.2e}", value);
   std::string text = fmt::format("{:.{}f}", value, decimals);
@@ -61,19 +61,19 @@ std::string number(double value, int decimals) {
   return (is_zero ? "" : "−") + text.substr(1);
 }
 
-std::string number(double value) {
+std::string format_number(double value) {
   if (!std::isfinite(value)) return std::string(unknown);
   const double size = std::abs(value);
   if (size == 0) return "0";
   if (size < 1e-3 || size >= 1e7) return fmt::format("{:.2e}", value);
-  return number(value, std::max(0, 2 - static_cast<int>(std::floor(std::log10(size)))));
+  return format_number(value, std::max(0, 2 - int(std::floor(std::log10(size)))));
 }
 
-std::string bytes_text(std::size_t bytes) {
-  return number(static_cast<double>(bytes) * 1e-6, 1) + " MB";
+std::string format_bytes(std::size_t bytes) {
+  return format_number(double(bytes) * 1e-6, 1) + " MB";
 }
 
-std::string hex_text(std::uint64_t value) {
+std::string format_hex(std::uint64_t value) {
   return fmt::format("{:016x}", value);
 }
 
@@ -99,10 +99,10 @@ std::string data_uri(const Image8& image) {
   return data_uri("image/png", encode_png(image));
 }
 
-Image8 shrunk(const Image8& image, int width) {
+Image8 downscaled(const Image8& image, int width) {
   if (image.width <= width) return image;
-  const double scale = static_cast<double>(image.width) / width;
-  Image8 out(width, std::max(1, static_cast<int>(image.height / scale)), image.channels);
+  const double scale = double(image.width) / width;
+  Image8 out(width, std::max(1, int(image.height / scale)), image.channels);
   for (int y = 0; y < out.height; ++y) {
     for (int x = 0; x < out.width; ++x) {
       for (int c = 0; c < out.channels; ++c) out.at(x, y, c) = box_mean(image, x, y, c, scale);
@@ -111,10 +111,22 @@ Image8 shrunk(const Image8& image, int width) {
   return out;
 }
 
-std::string body_class(BodyId body, BodyId pen) {
+std::string body_css_class(BodyId body, BodyId pen) {
   if (body == floor_body) return "floor";
   if (body == pen) return "pen";
   return fmt::format("ball-{}", (body - 1) % 4 + 1);
+}
+
+std::string page_head(std::string_view title, std::string_view css) {
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+      "content=\"width=device-width, "
+      "initial-scale=1\">\n<title>{}</title>\n<style>\n{}\n</style>\n</head>\n<body>\n<main>\n",
+      escape_html(title), css);
+}
+
+std::string table_row(std::string_view heading, std::string_view cell) {
+  return fmt::format("<tr><th scope=\"row\">{}</th>{}</tr>\n", heading, cell);
 }
 
 const std::string_view report_css = R"css(
@@ -231,4 +243,4 @@ if (cursors.length) {
 }
 )js";
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

@@ -1,16 +1,16 @@
 #include "report/inspect_page.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <fmt/format.h>
 
 #include "core/text.h"
 #include "intaglio/error.h"
 #include "report/html.h"
 #include "report/svg_plot.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 using surface::Inspection;
 
@@ -37,20 +37,19 @@ std::string polarity_text(const Inspection& i) {
 }
 
 std::string file_text(const std::filesystem::path& path) {
-  return path.empty() ? "–" : escaped(path.filename().string());
+  return path.empty() ? "–" : escape_html(path.filename().string());
 }
 
 std::string slope_plot(const Inspection& inspection) {
-  SvgPlot plot(660, 220, "plot", "Slopes",
-               "How much of the surface has which slope, in steps of five degrees");
+  SvgPlot plot(660, 220, "plot", "Slopes", "Fraction of the surface by slope, in steps of five degrees");
   const Axis x({0, 90}, {60, 560});
   const double most =
       std::max(0.01, *std::max_element(inspection.slope_histogram.begin(), inspection.slope_histogram.end()));
   const Axis y({0, 100 * most}, {180, 20});
   plot.y_axis(x, y, "% of the surface", 4);
   for (std::size_t k = 0; k < inspection.slope_histogram.size(); ++k) {
-    const double left = x(static_cast<double>(k) * Inspection::bin_degrees) + 1;
-    const double right = x(static_cast<double>(k + 1) * Inspection::bin_degrees) - 1;
+    const double left = x(double(k) * Inspection::bin_degrees) + 1;
+    const double right = x(double(k + 1) * Inspection::bin_degrees) - 1;
     const double top = y(100 * inspection.slope_histogram[k]);
     plot.rectangle(left, top, right - left, 180 - top, "bar");
   }
@@ -58,8 +57,8 @@ std::string slope_plot(const Inspection& inspection) {
   return plot.finish();
 }
 
-std::string row(const char* name, const std::string& value) {
-  return fmt::format("<tr><th scope=\"row\">{}</th><td>{}</td></tr>\n", name, value);
+std::string row(std::string_view name, const std::string& value) {
+  return table_row(name, fmt::format("<td>{}</td>", value));
 }
 
 std::string table(const Inspection& i) {
@@ -71,25 +70,27 @@ std::string table(const Inspection& i) {
   out += row("Height from",
              fmt::format("{}{}{}", file_text(r.height_file), r.height_channel == 3 ? ", alpha channel" : "",
                          r.height_bits != 0 ? fmt::format(", {} bits", r.height_bits) : ""));
-  out += row("Green", i.has_normals
-                          ? (green_text(i) + (r.detected_green ? "" : ", by name: it could not be detected"))
-                          : "–");
+  out +=
+      row("Green", i.has_normals
+                       ? (green_text(i) + (r.detected_green ? "" : ", from the file name (not detectable)"))
+                       : "–");
   out += row("White means", i.has_height ? (polarity_text(i) == "height" ? "high" : "deep") : "–");
-  out += row("Rows of the height", r.rows_flipped ? "upside down against the normals" : "in order");
-  out += row("Correlation", i.has_normals && i.has_height
-                                ? fmt::format("{} (along u {}, along v {})", number(r.correlation, 2),
-                                              number(r.correlation_u, 2), number(r.correlation_v, 2))
-                                : "–");
-  out += row("Full depth", fmt::format("{} % of the side{}", number(100 * i.depth_fraction, 2),
-                                       r.implied_depth > 0 ? ", implied by the normals" : ""));
-  out += row("RMS slope", number(i.rms_slope, 3));
-  out += row("Steep (over 45°)", number(100 * i.steep_fraction, 2) + " %");
-  out += row("Near-vertical (over 70°)", number(100 * i.near_vertical_fraction, 2) + " %");
-  out += row("Levels of height",
-             i.height_levels > 0
-                 ? fmt::format("{}; one level is a slope of {}", i.height_levels, number(i.terrace_slope, 3))
+  out += row("Rows of the height", r.rows_flipped ? "flipped relative to the normals" : "in order");
+  out += row("Correlation",
+             i.has_normals && i.has_height
+                 ? fmt::format("{} (along u {}, along v {})", format_number(r.correlation, 2),
+                               format_number(r.correlation_u, 2), format_number(r.correlation_v, 2))
                  : "–");
-  out += row("Slope that fits no height", i.has_normals ? number(100 * r.curl, 1) + " %" : "–");
+  out += row("Full depth", fmt::format("{} % of the side{}", format_number(100 * i.depth_fraction, 2),
+                                       r.implied_depth > 0 ? ", implied by the normals" : ""));
+  out += row("RMS slope", format_number(i.rms_slope, 3));
+  out += row("Steep (over 45°)", format_number(100 * i.steep_fraction, 2) + " %");
+  out += row("Near-vertical (over 70°)", format_number(100 * i.near_vertical_fraction, 2) + " %");
+  out += row("Levels of height", i.height_levels > 0
+                                     ? fmt::format("{}; one level is a slope of {}", i.height_levels,
+                                                   format_number(i.terrace_slope, 3))
+                                     : "–");
+  out += row("Non-integrable slope (curl)", i.has_normals ? format_number(100 * r.curl, 1) + " %" : "–");
   return out + "</table>\n";
 }
 
@@ -140,26 +141,21 @@ std::string inspection_json(const Inspection& i) {
 }
 
 std::string inspection_html(const Inspection& inspection, const std::string& title) {
-  std::string out = fmt::format(
-      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
-      "content=\"width=device-width, "
-      "initial-scale=1\">\n<title>{0}</title>\n<style>\n{1}{2}\n</style>\n</head>\n<body>\n<main>\n<h1>{0}</"
-      "h1>\n",
-      escaped(title), report_css, page_css);
-  out += fmt::format("<p class=\"advice\">Best taken as <strong>{}</strong>: {}.</p>\n",
-                     inspection.representation, escaped(inspection.reason));
+  std::string out = page_head(title, std::string(report_css) + page_css);
+  out += fmt::format("<h1>{}</h1>\n", escape_html(title));
+  out += fmt::format("<p class=\"advice\">Recommended representation: <strong>{}</strong>. {}.</p>\n",
+                     inspection.representation, escape_html(inspection.reason));
   for (const std::string& warning : inspection.warnings)
-    out += fmt::format("<p class=\"warning\">{}.</p>\n", escaped(warning));
-  out +=
-      "<section aria-labelledby=\"maps\">\n<h2 id=\"maps\">As it was understood</h2>\n<div class=\"maps\">\n";
+    out += fmt::format("<p class=\"warning\">{}.</p>\n", escape_html(warning));
+  out += "<section aria-labelledby=\"maps\">\n<h2 id=\"maps\">Interpreted maps</h2>\n<div class=\"maps\">\n";
   out += figure("Lit from the upper left", inspection.preview) + figure("Colour", inspection.colour) +
          figure("Height, white = high", inspection.height_map) +
          figure("Normals, green +Y", inspection.normal_map);
   out += "</div>\n</section>\n<section aria-labelledby=\"slopes\">\n<h2 id=\"slopes\">Slopes</h2>\n" +
          slope_plot(inspection) + "</section>\n";
   out += "<section aria-labelledby=\"found\">\n<h2 id=\"found\">In numbers</h2>\n" + table(inspection);
-  for (const std::string& line : inspection.notes) out += fmt::format("<p>{}.</p>\n", escaped(line));
-  return out + "</section>\n</main>\n</body>\n</html>\n";
+  for (const std::string& line : inspection.notes) out += fmt::format("<p>{}.</p>\n", escape_html(line));
+  return out + "</section>\n" + std::string(page_end);
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

@@ -2,13 +2,12 @@
 
 #include <pthread.h>
 
+#include <fmt/format.h>
 #include <chrono>
 #include <condition_variable>
-#include <cstdlib>
 #include <mutex>
 #include <queue>
 #include <thread>
-#include <fmt/format.h>
 
 #include "core/file.h"
 #include "core/progress.h"
@@ -20,66 +19,34 @@
 #include "session/video.h"
 #include "sound/audio/wav.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 namespace fs = std::filesystem;
 
 namespace {
 
-// What a render writes. Everything goes away again unless keep() is called.
-class Outputs {
- public:
-  explicit Outputs(const fs::path& mp4) : mp4_(mp4) {}
-  ~Outputs() {
-    if (kept_) return;
-    std::error_code ignored;
-    for (const fs::path& path : written_) fs::remove(path, ignored);
-  }
-
-  fs::path with(const std::string& extension) const { return fs::path(mp4_).replace_extension(extension); }
-  Result<void> check() const {
-    for (const char* extension : {".mp4", ".wav", ".html", ".events.csv", ".servo.csv"}) {
-      if (auto writable = check_writable(with(extension)); !writable) return writable;
-    }
-    return {};
-  }
-  // Notes what has been written, so that a later failure takes it back.
-  void wrote(const fs::path& path) { written_.push_back(path); }
-  Result<void> write(const std::string& extension, std::string_view text) {
-    const auto done = write_file(with(extension), text);
-    if (done) wrote(with(extension));
-    return done;
-  }
-  void keep() { kept_ = true; }
-
- private:
-  fs::path mp4_;
-  std::vector<fs::path> written_;
-  bool kept_ = false;
-};
-
 // Draws and encodes snapshots, on a thread of its own or on the caller's.
-class Pictures {
+class FrameEncoder {
  public:
-  Pictures(ScenePicture picture, render::Renderer& renderer, VideoWriter& video, bool own_thread,
-           std::int64_t frames)
+  FrameEncoder(scene::ScenePicture picture, render::Renderer& renderer, session::VideoWriter& video,
+               bool own_thread, std::int64_t frames)
       : picture_(std::move(picture)),
         renderer_(renderer),
         video_(video),
         key_every_(std::max<std::int64_t>(1, frames / 6)) {
-    pthread_getcpuclockid(pthread_self(), &senses_);
+    pthread_getcpuclockid(pthread_self(), &simulation_clock_);
     if (own_thread) thread_ = std::thread([this] { work(); });
   }
-  ~Pictures() { stop(); }
+  ~FrameEncoder() { stop(); }
 
-  // Hands over one snapshot; waits while many are queued. Errors of earlier frames come back here.
-  Result<void> add(Snapshot snapshot) {
+  // Blocks while 8 snapshots are queued. Returns errors of earlier frames.
+  Result<void> add(session::Snapshot snapshot) {
     if (!thread_.joinable()) return draw(snapshot);
     std::unique_lock lock(mutex_);
-    room_.wait(lock, [&] { return queue_.size() < 8 || error_; });
+    not_full_.wait(lock, [&] { return queue_.size() < 8 || error_; });
     if (error_) return tl::unexpected(*error_);
     queue_.push(std::move(snapshot));
-    work_.notify_one();
+    not_empty_.notify_one();
     return {};
   }
   Result<void> finish() {
@@ -87,8 +54,8 @@ class Pictures {
     if (error_) return tl::unexpected(*error_);
     return {};
   }
-  CostMeter& cost() { return cost_; }
-  std::vector<KeyFrame>& key_frames() { return key_frames_; }
+  session::CostMeter& cost() { return cost_; }
+  std::vector<session::KeyFrame>& key_frames() { return key_frames_; }
 
  private:
   void stop() {
@@ -97,31 +64,31 @@ class Pictures {
       const std::lock_guard lock(mutex_);
       closed_ = true;
     }
-    work_.notify_one();
+    not_empty_.notify_one();
     thread_.join();
   }
 
   void work() {
     while (true) {
-      Snapshot snapshot;
+      session::Snapshot snapshot;
       {
         std::unique_lock lock(mutex_);
-        work_.wait(lock, [&] { return !queue_.empty() || closed_; });
+        not_empty_.wait(lock, [&] { return !queue_.empty() || closed_; });
         if (queue_.empty()) return;
         snapshot = std::move(queue_.front());
         queue_.pop();
       }
-      room_.notify_one();
+      not_full_.notify_one();
       auto drawn = draw(snapshot);
       if (drawn) continue;
       const std::lock_guard lock(mutex_);
       error_ = drawn.error();
-      room_.notify_one();
+      not_full_.notify_one();
       return;
     }
   }
 
-  Result<void> draw(const Snapshot& snapshot) {
+  Result<void> draw(const session::Snapshot& snapshot) {
     const std::int64_t start = drawing_cpu_ns();
     const Image8 image = renderer_.draw(picture_.frame(snapshot.balls, snapshot.bodies, snapshot.pen_tip));
     cost_.add(drawing_cpu_ns() - start);
@@ -130,92 +97,103 @@ class Pictures {
     return video_.add(image);
   }
 
-  // A software driver draws on threads of its own: count the whole process but for the senses' thread.
+  // Software GL has threads of its own, so count the process's CPU time minus the simulation thread's.
   std::int64_t drawing_cpu_ns() const {
-    return process_cpu_ns() - (thread_.joinable() ? cpu_ns(senses_) : 0);
+    return session::process_cpu_ns() - (thread_.joinable() ? session::cpu_ns(simulation_clock_) : 0);
   }
 
-  ScenePicture picture_;
+  scene::ScenePicture picture_;
   render::Renderer& renderer_;
-  VideoWriter& video_;
-  clockid_t senses_{};
+  session::VideoWriter& video_;
+  clockid_t simulation_clock_{};
   std::int64_t key_every_, frames_ = 0;
-  CostMeter cost_;
-  std::vector<KeyFrame> key_frames_;
+  session::CostMeter cost_;
+  std::vector<session::KeyFrame> key_frames_;
   std::thread thread_;
   std::mutex mutex_;
-  std::condition_variable work_, room_;
-  std::queue<Snapshot> queue_;
+  std::condition_variable not_empty_, not_full_;
+  std::queue<session::Snapshot> queue_;
   bool closed_ = false;
   std::optional<Error> error_;
 };
 
-}  // namespace
-
-Result<Recording> render(const Scene& scene, const RenderJob& job) {
-  const auto start = std::chrono::steady_clock::now();
-  Outputs outputs(job.output);
-  if (const auto ffmpeg = find_ffmpeg(); !ffmpeg) return tl::unexpected(ffmpeg.error());
-  if (auto named = check_extension(job.output, ".mp4", "an MP4"); !named)
-    return tl::unexpected(named.error());
-  if (auto writable = outputs.check(); !writable) return tl::unexpected(writable.error());
-
-  const auto surface = make_surface(scene);
-  if (!surface) return tl::unexpected(surface.error());
-  Progress progress("render", job.quiet);
-  progress.update(0, "modal analysis");
-  auto simulation = Simulation::create(scene, *surface);
-  if (!simulation) return tl::unexpected(simulation.error());
+Result<std::unique_ptr<render::Renderer>> make_renderer(const scene::Scene& scene,
+                                                        const scene::SceneSurface& surface) {
   render::RendererOptions options;
   options.width = scene.video.width;
   options.height = scene.video.height;
   options.supersample = scene.video.supersample;
   options.slab_thickness = scene.surface.thickness;
-  options.roughness = surface->roughness;
-  auto renderer = render::Renderer::create(*surface->surface, options);
+  options.roughness = surface.roughness;
+  auto renderer = render::Renderer::create(*surface.surface, options);
   if (!renderer) return tl::unexpected(renderer.error());
-  if (auto shown = (*renderer)->show(surface_parts(scene, *surface)); !shown)
+  if (auto shown = (*renderer)->show(scene::surface_parts(scene, surface)); !shown)
     return tl::unexpected(shown.error());
-  auto video = VideoWriter::create(job.output, scene.video.width, scene.video.height, scene.video.fps);
+  return std::move(*renderer);
+}
+
+}  // namespace
+
+Result<session::Recording> render(const scene::Scene& scene, const RenderJob& job) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto output = [&](const char* extension) {
+    return fs::path(job.output).replace_extension(extension);
+  };
+  OutputFiles files;
+  if (const auto ffmpeg = session::find_ffmpeg(); !ffmpeg) return tl::unexpected(ffmpeg.error());
+  if (auto named = check_extension(job.output, ".mp4", "an MP4"); !named)
+    return tl::unexpected(named.error());
+  for (const char* extension : {".mp4", ".wav", ".html", ".events.csv", ".servo.csv"}) {
+    if (auto writable = check_writable(output(extension)); !writable) return tl::unexpected(writable.error());
+    files.add(output(extension));
+  }
+
+  const auto surface = scene::make_surface(scene);
+  if (!surface) return tl::unexpected(surface.error());
+  Progress progress("render", job.quiet);
+  progress.update(0, "modal analysis");
+  auto simulation = session::Simulation::create(scene, *surface);
+  if (!simulation) return tl::unexpected(simulation.error());
+  auto renderer = make_renderer(scene, *surface);
+  if (!renderer) return tl::unexpected(renderer.error());
+  auto video =
+      session::VideoWriter::create(job.output, scene.video.width, scene.video.height, scene.video.fps);
   if (!video) return tl::unexpected(video.error());
 
-  const auto frames = static_cast<std::int64_t>(scene.duration * scene.video.fps + 1e-9);
-  Pictures pictures({scene, *surface}, **renderer, **video, job.threads > 1, frames);
+  const auto frames = std::int64_t(scene.duration * scene.video.fps + 1e-9);
+  FrameEncoder pictures({scene, *surface}, **renderer, **video, job.threads > 1, frames);
   for (std::int64_t frame = 0; frame < frames; ++frame) {
     if (job.interrupted != nullptr && job.interrupted->load())
       return fail(job.output.string(), "interrupted: nothing was written");
-    const Snapshot snapshot = (*simulation)->advance_to_frame(frame);
-    progress.update(static_cast<double>(frame) / static_cast<double>(frames),
+    const session::Snapshot snapshot = (*simulation)->advance_to_frame(frame);
+    progress.update(double(frame) / double(frames),
                     fmt::format("{:.1f} of {:.1f} s", snapshot.time, scene.duration));
     if (auto added = pictures.add(snapshot); !added) return tl::unexpected(added.error());
   }
   (*simulation)->finish();
   if (auto drawn = pictures.finish(); !drawn) return tl::unexpected(drawn.error());
 
-  Recording recording = std::move((*simulation)->recording());
-  if (auto wav =
-          sound::write_wav(outputs.with(".wav"), recording.stereo, recording.sample_rate, {.channels = 2});
+  session::Recording recording = std::move((*simulation)->recording());
+  if (auto wav = sound::write_wav(output(".wav"), recording.stereo, recording.sample_rate, {.channels = 2});
       !wav)
     return tl::unexpected(wav.error());
-  outputs.wrote(outputs.with(".wav"));
-  if (auto joined = (*video)->finish(outputs.with(".wav")); !joined) return tl::unexpected(joined.error());
-  outputs.wrote(job.output);
+  if (auto joined = (*video)->finish(output(".wav")); !joined) return tl::unexpected(joined.error());
   recording.notes = surface->notes;
   recording.key_frames = std::move(pictures.key_frames());
-  recording.costs.push_back(pictures.cost().summary(
+  recording.costs.push_back(pictures.cost().summarise(
       {"picture", fmt::format("{}x{} frame", scene.video.width, scene.video.height), 1.0 / scene.video.fps}));
-  recording.peak_memory_bytes = peak_memory_bytes();
+  recording.peak_memory_bytes = session::peak_memory_bytes();
   recording.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const auto bytes = read_file(job.output);
   if (!bytes) return tl::unexpected(bytes.error());
-  for (const auto& [extension, text] : {std::pair{".events.csv", events_csv(recording)},
-                                        {".servo.csv", servo_csv(recording)},
+  for (const auto& [extension, text] : {std::pair{".events.csv", session::events_csv(recording)},
+                                        {".servo.csv", session::servo_csv(recording)},
                                         {".html", report_html(recording, *bytes)}}) {
-    if (auto written = outputs.write(extension, text); !written) return tl::unexpected(written.error());
+    if (auto written = write_file(output(extension), text); !written) return tl::unexpected(written.error());
   }
   progress.update(1, fmt::format("{:.1f} of {:.1f} s", scene.duration, scene.duration));
-  outputs.keep();
+  files.keep();
   return recording;
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

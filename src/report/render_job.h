@@ -9,16 +9,16 @@
 #include "scene/scene.h"
 #include "session/recording.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 struct RenderJob {
   std::filesystem::path output;  // .mp4; beside it go .wav, .html, .events.csv and .servo.csv
-  int threads = 2;               // 2: pictures are drawn and encoded in parallel with the simulation
+  int threads = 2;               // 2: render and encode in parallel with the simulation
   bool quiet = false;
-  const std::atomic<bool>* interrupted = nullptr;  // set from outside to stop early and leave no file
+  const std::atomic<bool>* interrupted = nullptr;  // set from outside to stop early; no new file remains
 };
 
-// Leaves all files or, on an error, none of them.
-Result<Recording> render(const Scene& scene, const RenderJob& job);
+// Writes all files; on an error none that was not there before remains.
+Result<session::Recording> render(const scene::Scene& scene, const RenderJob& job);
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

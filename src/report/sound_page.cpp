@@ -17,14 +17,14 @@
 #include "sound/synthesizer.h"
 #include "surface/recipes/builtin.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 namespace {
 
-constexpr double ball_radius = 0.01, falls_from = 0.01, rolling_speed = 0.6, scraping_speed = 0.15;
+constexpr double ball_radius = 0.01, drop_height = 0.01, rolling_speed = 0.6, scraping_speed = 0.15;
 
-PenScene scraping_pen() {
-  PenScene pen;
+scene::PenSettings scraping_pen() {
+  scene::PenSettings pen;
   pen.workspace.scale = 3;
   pen.tip_radius = 0.0005;
   pen.hand.stiffness = 1000;
@@ -39,12 +39,12 @@ PenScene scraping_pen() {
 
 }  // namespace
 
-std::string touch_name(Touch touch) {
-  return touch == Touch::strike ? "strike" : touch == Touch::scrape ? "scrape" : "roll";
+std::string touch_name(TouchKind touch) {
+  return touch == TouchKind::strike ? "strike" : touch == TouchKind::scrape ? "scrape" : "roll";
 }
 
-Scene touch_scene(Touch touch, const std::string& texture) {
-  Scene scene;
+scene::Scene touch_scene(TouchKind touch, const std::string& texture) {
+  scene::Scene scene;
   scene.name = scene.title = texture + ", " + touch_name(touch);
   scene.duration = 2;
   scene.surface.texture = texture;
@@ -53,13 +53,13 @@ Scene touch_scene(Touch touch, const std::string& texture) {
   scene.sound.modes = 80;
   scene.camera.eye = {0, 0.35, 0.35};
   scene.camera.target = Vec3::Zero();
-  BallScene ball;
+  scene::BallSettings ball;
   ball.radius = ball_radius;
-  ball.material = *find_material(touch == Touch::strike ? "wood" : "steel");
-  if (touch == Touch::strike) {
-    ball.position = {0.03, falls_from + ball_radius, 0.04};
+  ball.material = *find_material(touch == TouchKind::strike ? "wood" : "steel");
+  if (touch == TouchKind::strike) {
+    ball.position = {0.03, drop_height + ball_radius, 0.04};
     scene.balls.push_back(ball);
-  } else if (touch == Touch::roll) {
+  } else if (touch == TouchKind::roll) {
     ball.position = {-0.22, ball_radius + 0.001, 0.12};
     ball.velocity = {rolling_speed, 0, -0.4 * rolling_speed};
     ball.angular_velocity = Vec3::UnitY().cross(ball.velocity) / ball_radius;
@@ -70,15 +70,6 @@ Scene touch_scene(Touch touch, const std::string& texture) {
   return scene;
 }
 
-Result<Recording> play(const Scene& scene) {
-  const auto surface = make_surface(scene);
-  if (!surface) return tl::unexpected(surface.error());
-  auto simulation = Simulation::create(scene, *surface);
-  if (!simulation) return tl::unexpected(simulation.error());
-  (*simulation)->finish();
-  return std::move((*simulation)->recording());
-}
-
 namespace fs = std::filesystem;
 
 namespace {
@@ -86,10 +77,10 @@ namespace {
 constexpr int picture_width = 200, picture_height = 90;
 constexpr double shown_db = 70;
 constexpr float peak_shown = 0.7f;
-constexpr double headroom_db = 30;      // so that nothing meets the limiter
+constexpr double headroom_db = 30;      // keeps the signal below the limiter
 constexpr double quiet_pascal = 20e-6;  // 0 dB SPL
 
-struct Sound {
+struct RenderedSound {
   std::string file;      // without extension
   double peak_db = 0;    // dB SPL at the ears
   double centre_hz = 0;  // mean frequency of its power
@@ -112,7 +103,7 @@ Image8 picture(const Spectrogram& spectrogram, double duration) {
   return spectrogram_image(spectrogram, view, picture_width, picture_height);
 }
 
-// What a texture is called on the page and in names of files: of a path its last part, without extension.
+// A texture's name on the page and in file names: the last part of a path, without extension.
 std::string short_name(const std::string& texture) {
   fs::path path = fs::path(texture).lexically_normal();
   if (!path.has_filename()) path = path.parent_path();
@@ -120,47 +111,30 @@ std::string short_name(const std::string& texture) {
   return stem.empty() || stem == "." || stem == ".." ? "texture" : stem;
 }
 
-// Before a sound is made: each texture can be taken, and has a name of its own.
+// Every texture can be read, and all have distinct names.
 Result<void> check_textures(const std::vector<std::string>& textures) {
   std::map<std::string, std::string> named;
   for (const std::string& texture : textures) {
     const auto [other, is_new] = named.try_emplace(short_name(texture), texture);
     if (!is_new)
-      return fail(texture, fmt::format("would have the same files as {}", other->second),
-                  "give each texture once, and a name of its own");
-    if (const auto surface = make_surface(touch_scene(Touch::strike, texture)); !surface)
+      return fail(texture, fmt::format("gives the same output files as {}", other->second),
+                  "use each texture once, with distinct names");
+    if (const auto surface = scene::make_surface(touch_scene(TouchKind::strike, texture)); !surface)
       return tl::unexpected(surface.error());
   }
   return {};
 }
 
-// What was not there before goes away again unless keep() is called.
-class Written {
- public:
-  ~Written() {
-    std::error_code ignored;
-    for (const fs::path& path : paths_) fs::remove(path, ignored);
-  }
-  // Before it is written.
-  void add(const fs::path& path) {
-    std::error_code ignored;
-    if (!fs::exists(path, ignored)) paths_.push_back(path);
-  }
-  void keep() { paths_.clear(); }
-
- private:
-  std::vector<fs::path> paths_;
-};
-
-Result<Sound> make_sound(const SoundPageJob& job, const std::string& texture, Touch touch, Written& written) {
-  Scene scene = touch_scene(touch, texture);
+Result<RenderedSound> make_sound(const SoundPageJob& job, const std::string& texture, TouchKind touch,
+                                 OutputFiles& files) {
+  scene::Scene scene = touch_scene(touch, texture);
   scene.sound.gain_db = -headroom_db;
-  auto recording = play(scene);
+  auto recording = session::play(scene);
   if (!recording) return tl::unexpected(recording.error());
   std::vector<float>& audio = recording->audio;
-  Sound sound{short_name(texture) + "_" + touch_name(touch)};
+  RenderedSound sound{short_name(texture) + "_" + touch_name(touch)};
   const double peak = peak_of(audio);
-  if (!(peak > 0)) return fail(texture, "makes no sound when it gets a " + touch_name(touch));
+  if (!(peak > 0)) return fail(texture, "produced silence for " + touch_name(touch));
   sound.peak_db = 20 * std::log10(peak * sound::full_scale_pascal / quiet_pascal) + headroom_db;
   const Spectrogram spectrogram = make_spectrogram(audio, recording->sample_rate, 1024);
   double power = 0;
@@ -172,18 +146,18 @@ Result<Sound> make_sound(const SoundPageJob& job, const std::string& texture, To
   sound.centre_hz /= power;
   for (float& x : audio) x *= peak_shown / float(peak);
   const auto path = [&](const char* extension) { return job.folder / (sound.file + extension); };
-  written.add(path(".png"));
+  files.add(path(".png"));
   if (auto done = write_file(path(".png"), encode_png(picture(spectrogram, recording->duration))); !done)
     return tl::unexpected(done.error());
-  written.add(path(".mp3"));
+  files.add(path(".mp3"));
   if (auto done = sound::write_wav(path(".mp3"), audio, recording->sample_rate, {sound::WavFormat::mp3});
       !done)
     return tl::unexpected(done.error());
   return sound;
 }
 
-// As an address.
-std::string encoded(const std::string& name) {
+// Percent-encoded for a URL.
+std::string url_encoded(const std::string& name) {
   std::string out;
   for (const char c : name) {
     const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 ||
@@ -193,25 +167,25 @@ std::string encoded(const std::string& name) {
   return out;
 }
 
-std::string cell(const Sound& sound) {
+std::string cell(const RenderedSound& sound) {
   return fmt::format(
       "<td><img src=\"{0}.png\" width=\"{1}\" height=\"{2}\" alt=\"spectrogram\"><br>"
       "<audio controls preload=\"none\" src=\"{0}.mp3\"></audio><br>"
       "<small>{3:.0f} dB SPL peak, centre {4:.1f} kHz</small></td>\n",
-      encoded(sound.file), picture_width, picture_height, sound.peak_db, sound.centre_hz / 1000);
+      url_encoded(sound.file), picture_width, picture_height, sound.peak_db, sound.centre_hz / 1000);
 }
 
-constexpr const char* head =
-    "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Intaglio: materials heard</title>\n"
+constexpr const char* page_start =
+    "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Intaglio: how the materials sound</title>\n"
     "<meta name=\"viewport\" content=\"width=device-width\">\n"
     "<style>body{font:15px/1.45 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem}"
     "td,th{padding:.5rem;vertical-align:top;text-align:left}audio{width:200px;height:32px}"
     "small{color:#666}img{border-radius:3px}</style></head><body>\n"
-    "<h1>Materials heard</h1>\n"
+    "<h1>How the materials sound</h1>\n"
     "<p>Each built-in texture on a slab of 50 × 50 × 3 cm: a wooden ball of 2 cm falls on it from 1 cm, a wooden pen is "
     "dragged over it at 15 cm/s, and a steel ball of 2 cm rolls over it at 0.6 m/s; heard from half a metre. All of it is "
-    "synthesised from the relief, the material and the contacts of the simulation. The players are brought to one "
-    "level; the true one is printed. Spectrograms: 0 to 2 s, 60 Hz to 18 kHz on a logarithmic axis, 70 dB.</p>\n"
+    "synthesised from the relief, the material and the contacts of the simulation. Playback is normalised; the "
+    "true level is printed. Spectrograms: 0 to 2 s, 60 Hz to 18 kHz on a logarithmic axis, 70 dB.</p>\n"
     "<table><tr><th></th><th>struck</th><th>scraped</th><th>rolled on</th></tr>\n";
 
 }  // namespace
@@ -222,15 +196,15 @@ Result<void> make_sound_page(const SoundPageJob& job) {
   if (textures.empty()) textures = surface::builtin_names();
   if (auto checked = check_textures(textures); !checked) return checked;
   Progress progress("sound page", job.quiet);
-  std::string html = head;
-  const double all = double(textures.size() * touches.size());
+  std::string html = page_start;
+  const double total = double(textures.size() * touch_kinds.size());
   double done = 0;
-  Written written;
+  OutputFiles files;
   for (const std::string& texture : textures) {
-    html += fmt::format("<tr><th>{}</th>\n", escaped(short_name(texture)));
-    for (const Touch touch : touches) {
-      progress.update(done++ / all, texture + ", " + touch_name(touch));
-      const auto sound = make_sound(job, texture, touch, written);
+    html += fmt::format("<tr><th>{}</th>\n", escape_html(short_name(texture)));
+    for (const TouchKind touch : touch_kinds) {
+      progress.update(done++ / total, texture + ", " + touch_name(touch));
+      const auto sound = make_sound(job, texture, touch, files);
       if (!sound) return tl::unexpected(sound.error());
       html += cell(*sound);
     }
@@ -238,9 +212,9 @@ Result<void> make_sound_page(const SoundPageJob& job) {
   }
   html += "</table>\n<p>Made by <code>intaglio sound page -o DIR</code>.</p></body></html>\n";
   if (auto page = write_file(job.folder / "index.html", html); !page) return page;
-  written.keep();
+  files.keep();
   progress.update(1, "written");
   return {};
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

@@ -1,8 +1,5 @@
-// Scenes that let a texture be heard: struck, scraped and rolled on.
-//
-// A slab of half a metre with the texture on it. Struck: a steel ball of 2 cm radius falls 15 cm onto it.
-// Scraped: a wooden pen is dragged over it at 15 cm/s. Rolled on: the ball rolls over it at 0.6 m/s. Ears
-// are half a metre away.
+// A page on which every built-in texture can be heard: struck, scraped and rolled on, with spectrograms; and
+// the scenes behind it.
 #pragma once
 
 #include <array>
@@ -12,30 +9,27 @@
 
 #include "intaglio/error.h"
 #include "scene/scene.h"
-#include "session/recording.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
-enum class Touch { strike, scrape, roll };
-inline constexpr std::array touches{Touch::strike, Touch::scrape, Touch::roll};
-std::string touch_name(Touch touch);  // "strike", "scrape", "roll"
+enum class TouchKind { strike, scrape, roll };
+inline constexpr std::array touch_kinds{TouchKind::strike, TouchKind::scrape, TouchKind::roll};
+std::string touch_name(TouchKind touch);  // "strike", "scrape", "roll"
 
-// `texture` as in a scene file: a built-in name, a recipe, an image or a folder.
-Scene touch_scene(Touch touch, const std::string& texture);
-
-// Runs a scene without its picture. Seconds, mostly modal analysis.
-Result<Recording> play(const Scene& scene);
-
-// A page on which every built-in texture can be heard: struck, scraped and rolled on, with spectrograms.
+// A slab of 50 x 50 x 3 cm with the texture on it. Strike: a wooden ball of 1 cm radius falls on it from 1
+// cm. Scrape: a wooden pen is dragged over it at 15 cm/s. Roll: a steel ball of 1 cm radius rolls over it at
+// 0.6 m/s. The ears are half a metre away. `texture` as in a scene file: a built-in name, a recipe, an image
+// or a folder.
+scene::Scene touch_scene(TouchKind touch, const std::string& texture);
 
 struct SoundPageJob {
-  std::filesystem::path folder;       // gets index.html, and an .mp3 and a .png each
+  std::filesystem::path folder;       // receives index.html, and one .mp3 and .png per sound
   std::vector<std::string> textures;  // empty: all built-in ones
   bool quiet = false;
 };
 
-// Every texture is looked at before a sound is made; when something fails nothing is left behind. Some 2 s of
-// CPU time a sound. Sounds are brought to one peak level; the page names the true one.
+// All textures are checked first; on failure no new file remains. About 2 s of CPU time per sound. Sounds are
+// peak-normalised; the page states the true level.
 Result<void> make_sound_page(const SoundPageJob& job);
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

@@ -7,16 +7,20 @@
 #include <numbers>
 #include <unsupported/Eigen/FFT>
 
-namespace intaglio::session {
+#include "report/svg_plot.h"
+
+namespace intaglio::report {
 
 namespace {
 
-// Hann window, scaled so that the power of its frames is a mean square.
+// Hann window, scaled so that the power of its frames is a mean square: the mean of Hann^2 is 3/8, so the sum
+// over bins of |X|^2 / (n^2 3/8) is the windowed mean square; with a hop of n/4 the shifted Hann^2 add up to
+// the constant 1.5, so that all samples count alike.
 std::vector<float> hann(int n) {
-  std::vector<float> window(static_cast<std::size_t>(n));
+  std::vector<float> window(std::size_t(n), 0.0F);
   for (int i = 0; i < n; ++i) {
     const double w = 0.5 - 0.5 * std::cos(2 * std::numbers::pi * i / n);
-    window[static_cast<std::size_t>(i)] = static_cast<float>(w / (n * std::sqrt(0.375)));
+    window[std::size_t(i)] = float(w / (n * std::sqrt(0.375)));
   }
   return window;
 }
@@ -28,22 +32,23 @@ struct Row {
 };
 
 std::vector<Row> rows_of(const Spectrogram& s, const SpectrogramView& view, int height) {
-  std::vector<Row> rows(static_cast<std::size_t>(height));
+  std::vector<Row> rows{};
+  rows.resize(std::size_t(height));
   const auto bin_at = [&](double y) {
     const double hz = view.high_hz * std::pow(view.low_hz / view.high_hz, y / height);
     return std::clamp(hz / s.bin_hz(), 0.0, s.bins - 1.0);
   };
   for (int y = 0; y < height; ++y) {
     const double low = bin_at(y + 1), high = bin_at(y);
-    Row& row = rows[static_cast<std::size_t>(y)];
+    Row& row = rows[std::size_t(y)];
     if (high - low < 1) {
       const double middle = 0.5 * (low + high);
-      row.first = std::min(static_cast<int>(middle), s.bins - 2);
+      row.first = std::min(int(middle), s.bins - 2);
       row.last = row.first + 1;
-      row.fraction = static_cast<float>(middle - row.first);
+      row.fraction = float(middle - row.first);
     } else {
-      row.first = static_cast<int>(std::ceil(low));
-      row.last = static_cast<int>(std::floor(high));
+      row.first = int(std::ceil(low));
+      row.last = int(std::floor(high));
       row.fraction = -1;
     }
   }
@@ -51,7 +56,7 @@ std::vector<Row> rows_of(const Spectrogram& s, const SpectrogramView& view, int 
 }
 
 float row_power(std::span<const float> frame, const Row& row) {
-  const auto first = static_cast<std::size_t>(row.first), last = static_cast<std::size_t>(row.last);
+  const auto first = std::size_t(row.first), last = std::size_t(row.last);
   if (row.fraction >= 0) return frame[first] + row.fraction * (frame[last] - frame[first]);
   return *std::max_element(frame.begin() + row.first, frame.begin() + row.last + 1);
 }
@@ -59,8 +64,8 @@ float row_power(std::span<const float> frame, const Row& row) {
 // The frames that one pixel column shows: at least the nearest; none past the last.
 std::pair<int, int> frames_of(const Spectrogram& s, const SpectrogramView& view, int x, int width) {
   const double frames_per_column = view.duration / width * s.sample_rate / s.hop();
-  const int first = Spectrogram::frames_before + static_cast<int>(std::lround(x * frames_per_column));
-  const int next = Spectrogram::frames_before + static_cast<int>(std::lround((x + 1) * frames_per_column));
+  const int first = Spectrogram::frames_before + int(std::lround(x * frames_per_column));
+  const int next = Spectrogram::frames_before + int(std::lround((x + 1) * frames_per_column));
   const int last = std::max(first + 1, next);
   return {first, std::min(last, s.frames)};
 }
@@ -73,38 +78,36 @@ Spectrogram make_spectrogram(std::span<const float> audio, double sample_rate, i
   s.sample_rate = sample_rate;
   s.bins = window / 2 + 1;
   if (audio.empty() || !(sample_rate > 0)) return s;
-  const auto size = static_cast<std::ptrdiff_t>(audio.size());
-  // Four windows cover each sample, also the first and the last: that is what keeps the energy.
-  s.frames = Spectrogram::frames_before + static_cast<int>((size - 1) / s.hop()) + 3;
-  s.power.reserve(static_cast<std::size_t>(s.frames) * static_cast<std::size_t>(s.bins));
+  const auto size = std::ptrdiff_t(audio.size());
+  // Four windows cover each sample, including the first and the last: this keeps the energy.
+  s.frames = Spectrogram::frames_before + int((size - 1) / s.hop()) + 3;
+  s.power.reserve(std::size_t(s.frames) * std::size_t(s.bins));
   const std::vector<float> shape = hann(window);
   std::vector<float> samples(shape.size());
   std::vector<std::complex<float>> spectrum;
   Eigen::FFT<float> fft;
   fft.SetFlag(Eigen::FFT<float>::HalfSpectrum);
   for (int f = 0; f < s.frames; ++f) {
-    const std::ptrdiff_t start =
-        static_cast<std::ptrdiff_t>(f - Spectrogram::frames_before) * s.hop() - window / 2;
+    const std::ptrdiff_t start = std::ptrdiff_t(f - Spectrogram::frames_before) * s.hop() - window / 2;
     for (int i = 0; i < window; ++i) {
       const std::ptrdiff_t at = start + i;
-      const float value = at >= 0 && at < size ? audio[static_cast<std::size_t>(at)] : 0.0f;
-      samples[static_cast<std::size_t>(i)] =
-          std::isfinite(value) ? value * shape[static_cast<std::size_t>(i)] : 0.0f;
+      const float value = at >= 0 && at < size ? audio[std::size_t(at)] : 0.0f;
+      samples[std::size_t(i)] = std::isfinite(value) ? value * shape[std::size_t(i)] : 0.0f;
     }
     fft.fwd(spectrum, samples);
     for (int b = 0; b < s.bins; ++b) {
       const bool has_mirror_image = b > 0 && b < s.bins - 1;
-      s.power.push_back((has_mirror_image ? 2.0f : 1.0f) * std::norm(spectrum[static_cast<std::size_t>(b)]));
+      s.power.push_back((has_mirror_image ? 2.0f : 1.0f) * std::norm(spectrum[std::size_t(b)]));
     }
   }
   return s;
 }
 
 std::vector<double> mean_spectrum(const Spectrogram& s) {
-  std::vector<double> mean(static_cast<std::size_t>(s.bins), 0.0);
+  std::vector<double> mean(std::size_t(s.bins), 0.0);
   for (int f = 0; f < s.frames; ++f) {
     const std::span<const float> frame = s.frame(f);
-    for (std::size_t b = 0; b < mean.size(); ++b) mean[b] += static_cast<double>(frame[b]) / s.frames;
+    for (std::size_t b = 0; b < mean.size(); ++b) mean[b] += double(frame[b]) / s.frames;
   }
   return mean;
 }
@@ -121,11 +124,10 @@ Image8 spectrogram_image(const Spectrogram& s, const SpectrogramView& view, int 
     const auto [first, last] = s.frames > 0 ? frames_of(s, view, x, width) : std::pair(0, 0);
     for (int y = 0; y < height; ++y) {
       float power = 0;
-      for (int f = first; f < last; ++f)
-        power = std::max(power, row_power(s.frame(f), rows[static_cast<std::size_t>(y)]));
-      const double level = level_db(static_cast<double>(power), view.floor_db);
+      for (int f = first; f < last; ++f) power = std::max(power, row_power(s.frame(f), rows[std::size_t(y)]));
+      const double level = level_db(double(power), view.floor_db);
       const Rgb colour = magma((level - view.floor_db) / (view.top_db - view.floor_db));
-      for (int c = 0; c < 3; ++c) image.at(x, y, c) = colour[static_cast<std::size_t>(c)];
+      for (int c = 0; c < 3; ++c) image.at(x, y, c) = colour[std::size_t(c)];
     }
   }
   return image;
@@ -154,10 +156,10 @@ bool ModalSpectrum::near_mode(double hz) const {
   return mode != modes_.end() && *mode * (1 - width_) <= hz;
 }
 
-std::pair<double, double> ModalSpectrum::share() const {
+std::pair<double, double> ModalSpectrum::energy_near_modes() const {
   double near = 0, all = 0, near_octaves = 0, all_octaves = 0;
   for (std::size_t b = 1; b < power_.size(); ++b) {
-    const double hz = static_cast<double>(b) * bin_hz_;
+    const double hz = double(b) * bin_hz_;
     if (hz < low_hz || hz > high_hz) continue;
     all += power_[b];
     all_octaves += 1 / hz;
@@ -171,15 +173,15 @@ std::pair<double, double> ModalSpectrum::share() const {
 ModalSpectrum::Prominence ModalSpectrum::prominence(double mode) const {
   double inside = 0, beside = 0, inside_bins = 0, beside_bins = 0;
   const double low = mode * (1 - 3 * width_), high = mode * (1 + 3 * width_);
-  for (auto b = static_cast<std::size_t>(std::ceil(low / bin_hz_)); b < power_.size(); ++b) {
-    const double hz = static_cast<double>(b) * bin_hz_;
+  for (auto b = std::size_t(std::ceil(low / bin_hz_)); b < power_.size(); ++b) {
+    const double hz = double(b) * bin_hz_;
     if (hz > high) break;
     const bool is_inside = std::abs(hz - mode) <= width_ * mode;
     if (!is_inside && near_mode(hz)) continue;
     (is_inside ? inside : beside) += power_[b];
     (is_inside ? inside_bins : beside_bins) += 1;
   }
-  // One bin alone may be the skirt of a neighbour.
+  // A single bin may be a neighbour's side lobe.
   return {ratio(inside, inside_bins), beside_bins > 1 ? beside / beside_bins : 0};
 }
 
@@ -201,4 +203,4 @@ std::vector<double> ModalSpectrum::contrasts_db() const {
   return contrasts;
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

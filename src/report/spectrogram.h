@@ -1,6 +1,6 @@
 // A short-time power spectrum of audio, and its picture on a logarithmic frequency axis.
 //
-// Hann windows, a quarter of a window apart, centred on their time; the audio is taken as silent outside.
+// Hann windows, a quarter of a window apart, centred on their time; the audio is zero-padded.
 // Power is one-sided and scaled so that the spectrogram keeps the audio's energy (Parseval):
 //   sum over frames and bins of power x hop = sum over samples of audio^2.
 // Cost: about 20 us a frame of 2048; memory: 4 bytes a frame and bin, 0.35 MB a second at 44.1 kHz.
@@ -11,12 +11,11 @@
 #include <vector>
 
 #include "intaglio/image.h"
-#include "report/svg_plot.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 struct Spectrogram {
-  static constexpr int frames_before = 1;  // frames before time 0, for four windows to cover the first sample
+  static constexpr int frames_before = 1;  // before time 0, so that four windows cover the first sample
 
   int window = 0;          // samples, a power of two
   double sample_rate = 0;  // Hz
@@ -26,7 +25,7 @@ struct Spectrogram {
 
   int hop() const { return window / 4; }  // samples
   double bin_hz() const { return window > 0 ? sample_rate / window : 0; }
-  // Of a window's middle, s.
+  // Centre time of a frame, s.
   double time(int frame) const { return (frame - frames_before) * hop() / sample_rate; }
   std::span<const float> frame(int index) const {
     return std::span(power).subspan(std::size_t(index) * std::size_t(bins), std::size_t(bins));
@@ -42,7 +41,7 @@ std::vector<double> mean_spectrum(const Spectrogram& spectrogram);
 // Decibels of a mean square against full scale, never below `floor_db`.
 double level_db(double mean_square, double floor_db);
 
-// What the picture shows.
+// Axes and levels of the picture.
 struct SpectrogramView {
   double duration = 1;     // s, left edge is time 0
   double low_hz = 50;      // bottom edge
@@ -51,14 +50,14 @@ struct SpectrogramView {
   double top_db = -20;     // and above: its last
 };
 
-// RGB, row 0 = high_hz. A pixel shows the loudest of the frames in its column, and the bins in its row
+// RGB, row 0 = high_hz. A pixel shows the maximum over the frames in its column and the bins in its row
 // (interpolated where bins are farther apart than rows), so that no impact is lost between columns.
 Image8 spectrogram_image(const Spectrogram& spectrogram, const SpectrogramView& view, int width, int height);
 
-// How the power of a sound lies to a set of modal frequencies: near them, beside them, between them.
-
-// The mean spectrum of a sound, with the frequencies (Hz, finite, positive) at which it ought to ring. "Near"
-// is within `width` of a frequency, as a fraction of it. What cannot be told is not-a-number.
+// Measures how much of a sound's power lies at given modal frequencies.
+//
+// The mean spectrum of a sound and its expected modal frequencies (Hz, finite, positive). "Near" is within
+// `width` of a frequency, as a fraction of it. NaN when undefined.
 class ModalSpectrum {
  public:
   ModalSpectrum(const Spectrogram& spectrogram, std::vector<double> modes, double width);
@@ -66,11 +65,11 @@ class ModalSpectrum {
   bool near_mode(double hz) const;
 
   // Fraction of the energy between 20 Hz and 20 kHz that is near a mode; and the same for noise of equal
-  // energy an octave.
-  std::pair<double, double> share() const;
+  // energy per octave, whose density is 1/f: sum of 1/f near a mode over the sum of all 1/f.
+  std::pair<double, double> energy_near_modes() const;
 
-  // dB by which the power density near a mode stands above that beside it, up to three widths away, where no
-  // mode is. For modes that stand far enough apart to tell and lie within 40 dB of the strongest. Ascending.
+  // Power density at a mode over that of its surroundings (one to three widths away, excluding other modes),
+  // dB, ascending. Only isolated modes within 40 dB of the strongest.
   std::vector<double> contrasts_db() const;
 
  private:
@@ -85,4 +84,4 @@ class ModalSpectrum {
   double width_;
 };
 
-}  // namespace intaglio::session
+}  // namespace intaglio::report

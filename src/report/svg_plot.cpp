@@ -9,7 +9,7 @@
 
 #include "report/html.h"
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 namespace {
 
@@ -31,25 +31,25 @@ std::string_view anchor_name(TextAnchor anchor) {
 }
 
 std::string title_element(std::string_view tooltip) {
-  return tooltip.empty() ? std::string() : fmt::format("<title>{}</title>", escaped(tooltip));
+  return tooltip.empty() ? std::string() : fmt::format("<title>{}</title>", escape_html(tooltip));
 }
 
-// Least and greatest of the samples in one unit of x, in the order of their times.
+// Minimum and maximum of the samples in one unit of x, in order of time.
 struct Column {
   double first_x = 0, first_value = 0, second_x = 0, second_value = 0;
 };
 
 // Runs of columns between samples that are not finite.
-std::vector<std::vector<Column>> columns_of(const Axis& x, const Series& series) {
+std::vector<std::vector<Column>> column_extrema(const Axis& x, const Series& series) {
   std::vector<std::vector<Column>> runs(1);
-  double open = std::numeric_limits<double>::quiet_NaN();  // the unit of x whose column is open
+  double current_x = std::numeric_limits<double>::quiet_NaN();  // the unit of x whose column is open
   std::size_t least = 0, most = 0;
-  const auto x_of = [&](std::size_t k) { return x(series.start + static_cast<double>(k) * series.step); };
+  const auto x_of = [&](std::size_t k) { return x(series.start + double(k) * series.step); };
   const auto close = [&] {
-    if (std::isnan(open)) return;
+    if (std::isnan(current_x)) return;
     const auto [a, b] = std::minmax(least, most);
     runs.back().push_back({x_of(a), series.values[a], x_of(b), series.values[b]});
-    open = std::numeric_limits<double>::quiet_NaN();
+    current_x = std::numeric_limits<double>::quiet_NaN();
   };
   for (std::size_t k = 0; k < series.values.size(); ++k) {
     const double at = x_of(k);
@@ -59,9 +59,9 @@ std::vector<std::vector<Column>> columns_of(const Axis& x, const Series& series)
       continue;
     }
     if (at < x.units().low - 1 || at > x.units().high + 1) continue;
-    if (std::floor(at) != open) {
+    if (std::floor(at) != current_x) {
       close();
-      open = std::floor(at);
+      current_x = std::floor(at);
       least = most = k;
     } else {
       if (series.values[k] < series.values[least]) least = k;
@@ -72,13 +72,19 @@ std::vector<std::vector<Column>> columns_of(const Axis& x, const Series& series)
   return runs;
 }
 
+// Decimals needed to distinguish ticks `spacing` apart.
+int decimals_for(double spacing) {
+  if (!(spacing > 0) || !std::isfinite(spacing)) return 0;
+  return std::clamp(int(std::ceil(-std::log10(spacing) - 1e-9)), 0, 6);
+}
+
 int decimals_of(const Axis& axis, const std::vector<double>& ticks) {
   if (axis.scale() == AxisScale::logarithmic) return 0;
   return decimals_for(ticks.size() > 1 ? ticks[1] - ticks[0] : axis.values().size());
 }
 
-// Whether a column of a run, or a neighbour of it, lies within the axis: what is farther outside would be a
-// line along its edge.
+// Whether a column of a run or one of its neighbours lies within the axis; farther outside it would draw a
+// line along the edge.
 bool near_axis(const std::vector<Column>& run, std::size_t k, const Axis& y) {
   const Range& range = y.values();
   for (std::size_t j = k > 0 ? k - 1 : 0; j <= std::min(k + 1, run.size() - 1); ++j) {
@@ -101,7 +107,7 @@ Range range_of(std::span<const double> values, const Range& fallback) {
     range.low = std::min(range.low, value);
     range.high = std::max(range.high, value);
   }
-  // Differences of values near the largest double are infinite: such data is not worth an axis.
+  // Differences of values near the largest double are infinite: fall back.
   if (!(range.low <= range.high) || !std::isfinite(2 * range.low) || !std::isfinite(2 * range.high))
     return fallback;
   const double least = 1e-9 * std::max(std::abs(range.low), 1e-3);
@@ -137,7 +143,7 @@ std::vector<double> Axis::ticks(int count) const {
                                   : rough / power < 3.5 ? 2
                                   : rough / power < 7.5 ? 5
                                                         : 10);
-  // Counted in whole multiples: sums of the spacing would drift off the round values.
+  // Multiples of the spacing, not sums of it, which would drift off the round values.
   for (double k = std::ceil(values_.low / spacing - 1e-9); k * spacing <= values_.high + 1e-9 * spacing;
        ++k) {
     ticks.push_back(k * spacing);
@@ -145,15 +151,10 @@ std::vector<double> Axis::ticks(int count) const {
   return ticks;
 }
 
-int decimals_for(double spacing) {
-  if (!(spacing > 0) || !std::isfinite(spacing)) return 0;
-  return std::clamp(static_cast<int>(std::ceil(-std::log10(spacing) - 1e-9)), 0, 6);
-}
-
 SvgPlot::SvgPlot(double width, double height, std::string_view classes, std::string_view title,
                  std::string_view description) {
   out_ = fmt::format("<svg class=\"{}\" viewBox=\"0 0 {:.6g} {:.6g}\" role=\"img\" aria-label=\"{}. {}\">\n",
-                     classes, width, height, escaped(title), escaped(description));
+                     classes, width, height, escape_html(title), escape_html(description));
 }
 
 void SvgPlot::line(double x0, double y0, double x1, double y1, std::string_view classes) {
@@ -183,7 +184,7 @@ void SvgPlot::triangle(double x, double y, double size, std::string_view classes
 void SvgPlot::text(double x, double y, std::string_view text, std::string_view classes, TextAnchor anchor) {
   if (!finite(x, y)) return;
   out_ += fmt::format("<text class=\"{}\" x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>\n", classes,
-                      x, y, anchor_name(anchor), escaped(text));
+                      x, y, anchor_name(anchor), escape_html(text));
 }
 
 void SvgPlot::turned_text(double x, double y, double degrees, std::string_view text, std::string_view classes,
@@ -192,7 +193,7 @@ void SvgPlot::turned_text(double x, double y, double degrees, std::string_view t
   out_ += fmt::format(
       "<text class=\"{}\" transform=\"translate({:.1f} {:.1f}) rotate({:.0f})\" "
       "text-anchor=\"{}\">{}</text>\n",
-      classes, x, y, -degrees, anchor_name(anchor), escaped(text));
+      classes, x, y, -degrees, anchor_name(anchor), escape_html(text));
 }
 
 void SvgPlot::image(double x, double y, double width, double height, std::string_view uri) {
@@ -214,7 +215,7 @@ void SvgPlot::polyline(std::span<const double> xs, std::span<const double> ys, s
 
 void SvgPlot::curve(const Axis& x, const Axis& y, const Series& series, std::string_view classes) {
   std::string path;
-  for (const std::vector<Column>& run : columns_of(x, series)) {
+  for (const std::vector<Column>& run : column_extrema(x, series)) {
     char command = 'M';
     for (std::size_t k = 0; k < run.size(); ++k) {
       const Column& column = run[k];
@@ -236,7 +237,7 @@ void SvgPlot::curve(const Axis& x, const Axis& y, const Series& series, std::str
 
 void SvgPlot::envelope(const Axis& x, const Axis& y, const Series& series, std::string_view classes) {
   std::string path;
-  for (const std::vector<Column>& run : columns_of(x, series)) {
+  for (const std::vector<Column>& run : column_extrema(x, series)) {
     char command = 'M';
     for (const Column& column : run) {
       fmt::format_to(std::back_inserter(path), "{}{:.1f} {:.1f}", command, column.first_x,
@@ -259,8 +260,8 @@ void SvgPlot::y_axis(const Axis& x, const Axis& y, std::string_view label, int t
   for (const double tick : ticks) {
     line(left, y(tick), right, y(tick), "grid");
     const bool kilo = y.scale() == AxisScale::logarithmic && tick >= 1000;
-    text(left - 8, y(tick) + 4, kilo ? number(tick / 1000, 0) + "k" : number(tick, decimals), "tick",
-         TextAnchor::end);
+    text(left - 8, y(tick) + 4, kilo ? format_number(tick / 1000, 0) + "k" : format_number(tick, decimals),
+         "tick", TextAnchor::end);
   }
   rectangle(left, y.units().high, right - left, y.units().low - y.units().high, "frame");
   turned_text(left - 54, 0.5 * (y.units().low + y.units().high), 90, label, "label", TextAnchor::middle);
@@ -271,7 +272,7 @@ void SvgPlot::x_axis(const Axis& x, double bottom, std::string_view unit, int ti
   const int decimals = decimals_of(x, ticks);
   for (const double tick : ticks) {
     line(x(tick), bottom, x(tick), bottom + 5, "axis");
-    text(x(tick), bottom + 19, number(tick, decimals), "tick", TextAnchor::middle);
+    text(x(tick), bottom + 19, format_number(tick, decimals), "tick", TextAnchor::middle);
   }
   text(x.units().high + 20, bottom + 19, unit, "tick");
 }
@@ -284,13 +285,13 @@ namespace {
 
 using Linear = std::array<double, 3>;
 
-// Also takes not-a-number to 0.
+// NaN becomes 0.
 double clamped(double t) {
   return t > 0 ? std::min(t, 1.0) : 0.0;
 }
 
 std::uint8_t byte(double fraction) {
-  return static_cast<std::uint8_t>(std::lround(255 * clamped(fraction)));
+  return std::uint8_t(std::lround(255 * clamped(fraction)));
 }
 
 }  // namespace
@@ -323,14 +324,4 @@ Rgb stone(double t) {
   return colour;
 }
 
-double luminance(const Rgb& colour) {
-  static constexpr Linear weight = {0.2126, 0.7152, 0.0722};
-  double sum = 0;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double s = colour[c] / 255.0;
-    sum += weight[c] * (s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
-  }
-  return sum;
-}
-
-}  // namespace intaglio::session
+}  // namespace intaglio::report

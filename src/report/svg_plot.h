@@ -1,9 +1,8 @@
-// A drawing of plots as inline SVG: axes that map values to its units, and marks that are styled by CSS
-// classes.
+// Plots as inline SVG: axes that map values to drawing units, and marks styled by CSS classes.
 //
-// Coordinates are in units of the drawing, y down. Whatever is not finite is left out, so that a broken
-// recording still gives a valid drawing. Colours come from the page's style sheet: a class names the kind of
-// mark, another the body that it belongs to.
+// Coordinates are in drawing units, y down. Non-finite values are skipped, so that any recording gives valid
+// SVG. Colours come from the page's style sheet: one class names the kind of mark, another the body that it
+// belongs to.
 #pragma once
 
 #include <array>
@@ -13,14 +12,14 @@
 #include <string_view>
 #include <vector>
 
-namespace intaglio::session {
+namespace intaglio::report {
 
 struct Range {
   double low = 0;
   double high = 1;
 
   double size() const { return high - low; }
-  // `fraction` of the size more at each end.
+  // Extended by `fraction` of its size at both ends.
   Range padded(double fraction) const { return {low - fraction * size(), high + fraction * size()}; }
 };
 
@@ -47,9 +46,6 @@ class Axis {
   AxisScale scale_;
 };
 
-// Decimals with which ticks that are `spacing` apart can be told from each other.
-int decimals_for(double spacing);
-
 // An evenly sampled series: value k is at x = start + k * step.
 struct Series {
   double start = 0;
@@ -61,7 +57,7 @@ enum class TextAnchor { start, middle, end };
 
 class SvgPlot {
  public:
-  // `title` and `description` are read out in place of the picture.
+  // `title` and `description` are the accessible label.
   SvgPlot(double width, double height, std::string_view classes, std::string_view title,
           std::string_view description);
 
@@ -98,8 +94,8 @@ class SvgPlot {
   std::string out_;
 };
 
-// Perceptually uniform colour scales: equal steps of a value are equal steps of lightness, also in grey and
-// for colour-blind eyes.
+// Perceptually uniform colour scales: equal steps of a value are equal steps of lightness, in greyscale and
+// for colour-blind readers, too.
 
 using Rgb = std::array<std::uint8_t, 3>;  // sRGB
 
@@ -108,11 +104,7 @@ using Rgb = std::array<std::uint8_t, 3>;  // sRGB
 // domain).
 Rgb magma(double t);
 
-// Stone: dark brown joint to grey-brown face, for t in 0..1 (clamped). Dark enough that bright lines stand
-// out on it.
+// Dark brown to grey-brown, for height maps, t in 0..1 (clamped); dark enough for bright overlays.
 Rgb stone(double t);
 
-// WCAG relative luminance, 0..1.
-double luminance(const Rgb& colour);
-
-}  // namespace intaglio::session
+}  // namespace intaglio::report

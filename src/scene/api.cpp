@@ -6,14 +6,14 @@ namespace intaglio {
 
 namespace {
 
-Scene handle_of(session::Scene scene) {
+Scene handle_of(scene::Scene scene) {
   return Scene(std::make_shared<const Scene::Impl>(Scene::Impl{std::move(scene)}));
 }
 
 // A copy that `change` has changed.
 template <class Change>
 Scene changed(const Scene::Impl& from, const Change& change) {
-  session::Scene scene = from.scene;
+  scene::Scene scene = from.scene;
   change(scene);
   return handle_of(std::move(scene));
 }
@@ -21,12 +21,10 @@ Scene changed(const Scene::Impl& from, const Change& change) {
 }  // namespace
 
 Result<Scene> Scene::load(const std::filesystem::path& path) {
-  return session::read_scene(path).map([](session::Scene scene) { return handle_of(std::move(scene)); });
+  return scene::read_scene(path).map([](scene::Scene scene) { return handle_of(std::move(scene)); });
 }
 Result<Scene> Scene::parse(std::string_view text, const std::string& name) {
-  return session::parse_scene(text, name).map([](session::Scene scene) {
-    return handle_of(std::move(scene));
-  });
+  return scene::parse_scene(text, name).map([](scene::Scene scene) { return handle_of(std::move(scene)); });
 }
 
 const std::string& Scene::title() const {
@@ -46,16 +44,16 @@ bool Scene::has_pen() const {
 }
 
 Scene Scene::with_duration(double seconds) const {
-  return changed(*impl_, [&](session::Scene& scene) { scene.duration = seconds; });
+  return changed(*impl_, [&](scene::Scene& scene) { scene.duration = seconds; });
 }
 Scene Scene::with_representation(Representation representation) const {
-  return changed(*impl_, [&](session::Scene& scene) { scene.surface.representation = representation; });
+  return changed(*impl_, [&](scene::Scene& scene) { scene.surface.representation = representation; });
 }
 Scene Scene::with_texture(const std::string& texture) const {
-  return changed(*impl_, [&](session::Scene& scene) { session::put_texture(scene.surface, texture); });
+  return changed(*impl_, [&](scene::Scene& scene) { scene::put_texture(scene.surface, texture); });
 }
 Scene Scene::with_picture(int width, int height, int fps) const {
-  return changed(*impl_, [&](session::Scene& scene) {
+  return changed(*impl_, [&](scene::Scene& scene) {
     scene.video.width = width;
     scene.video.height = height;
     scene.video.fps = fps;
@@ -63,12 +61,12 @@ Scene Scene::with_picture(int width, int height, int fps) const {
 }
 
 Result<Surface> Scene::floor() const {
-  const session::SurfaceScene& from = impl_->scene.surface;
+  const scene::SurfaceSettings& from = impl_->scene.surface;
   if (from.base)
     return fail(impl_->scene.name, "has a curved floor", "load its texture with CurvedSurface::load");
   SurfaceOptions options;
   options.size = from.size;
-  options.pose = {from.position, session::rotation_of(from.rotation)};
+  options.pose = {from.position, scene::rotation_of(from.rotation)};
   options.depth = from.depth;
   options.edge = from.edge == surface::Edge::wrap ? Edge::wrap : Edge::clamp;
   options.mode = from.mode == surface::ImportMode::fused ? ImportMode::fused : ImportMode::raw;

@@ -7,7 +7,7 @@
 namespace intaglio {
 
 struct Scene::Impl {
-  session::Scene scene;
+  scene::Scene scene;
 };
 
 }  // namespace intaglio

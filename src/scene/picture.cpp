@@ -10,11 +10,11 @@
 #include "core/portable_math.h"
 #include "intaglio/representation.h"
 
-namespace intaglio::session {
+namespace intaglio::scene {
 
 namespace {
 
-// A box behind its reliefs, which reach 1 % below their depth.
+// The box between the reliefs, cut 2 % of the depth below them to avoid z-fighting.
 render::Mesh core_mesh(const contact::Box& box, const std::vector<SceneSurface>& reliefs) {
   double low = -box.half.y(), high = box.half.y();
   for (const SceneSurface& relief : reliefs) {
@@ -23,7 +23,7 @@ render::Mesh core_mesh(const contact::Box& box, const std::vector<SceneSurface>&
         relief.surface->placement().n().y() > 0 ? depth : -depth;
   }
   render::Mesh mesh = shape_mesh(contact::Box{{box.half.x(), 0.5 * (high - low), box.half.z()}});
-  for (render::Vertex& v : mesh.vertices) v.position[1] += static_cast<float>(0.5 * (low + high));
+  for (render::Vertex& v : mesh.vertices) v.position[1] += float(0.5 * (low + high));
   return mesh;
 }
 
@@ -45,11 +45,11 @@ ScenePicture::ScenePicture(const Scene& scene, const SceneSurface& surface)
 }
 
 void ScenePicture::add_body(std::size_t k, const std::vector<SceneSurface>& reliefs) {
-  const BodyScene& body = scene_.bodies[k];
-  Drawn& drawn = drawn_.emplace_back();
-  drawn.first_part = part_poses_.size();
-  drawn.parts = reliefs.size();
-  // The ball of its volume.
+  const BodySettings& body = scene_.bodies[k];
+  BodyDrawing& drawing = drawings_.emplace_back();
+  drawing.first_part = part_poses_.size();
+  drawing.parts = reliefs.size();
+  // Radius of the sphere of equal volume, (3 V / 4 pi)^(1/3).
   const double shadow = 0.62 * std::cbrt(contact::mass_properties(body.body.shape).volume);
   const bool has_skin = !reliefs.empty() && reliefs.front().curved;
   for (std::size_t n = 0; n < reliefs.size(); ++n)
@@ -64,7 +64,7 @@ void ScenePicture::add_body(std::size_t k, const std::vector<SceneSurface>& reli
       std::make_shared<const render::Mesh>(has_core ? core_mesh(*box, reliefs) : shape_mesh(body.body.shape));
   solid.colour = body.colour;
   solid.shadow_radius = shadow;
-  drawn.solid = solids_.size();
+  drawing.solid = solids_.size();
   solids_.push_back(std::move(solid));
 }
 
@@ -86,9 +86,9 @@ render::FrameScene ScenePicture::frame(std::span<const Pose> balls, std::span<co
   frame.solids = solids_;
   frame.part_poses = part_poses_;
   for (std::size_t k = 0; k < bodies.size(); ++k) {
-    const Drawn& drawn = drawn_[k];
-    if (drawn.solid) frame.solids[*drawn.solid].pose = bodies[k];
-    for (std::size_t n = 0; n < drawn.parts; ++n) frame.part_poses[drawn.first_part + n].pose = bodies[k];
+    const BodyDrawing& drawing = drawings_[k];
+    if (drawing.solid) frame.solids[*drawing.solid].pose = bodies[k];
+    for (std::size_t n = 0; n < drawing.parts; ++n) frame.part_poses[drawing.first_part + n].pose = bodies[k];
   }
   if (pen_tip && scene_.pen) {
     render::Pen pen;
@@ -126,13 +126,13 @@ std::array<float, 3> floats(const Vec3& v) {
 }
 
 void add_polygon(Mesh& mesh, std::span<const Vec3> corners, const Vec3& normal) {
-  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  const auto first = std::uint32_t(mesh.vertices.size());
   for (const Vec3& corner : corners) mesh.vertices.push_back({floats(corner), floats(normal)});
   for (std::uint32_t k = 2; k < corners.size(); ++k)
     for (const std::uint32_t at : {first, first + k - 1, first + k}) mesh.indices.push_back(at);
 }
 
-Mesh box(const Vec3& half) {
+Mesh box_mesh(const Vec3& half) {
   Mesh mesh;
   for (int axis = 0; axis < 3; ++axis) {
     for (const double side : {-1.0, 1.0}) {
@@ -148,7 +148,7 @@ Mesh box(const Vec3& half) {
   return mesh;
 }
 
-// Lathes stand along Z; capsules and cylinders along Y.
+// lathe() builds along Z; capsules and cylinders lie along Y.
 Mesh along_y(Mesh mesh) {
   for (render::Vertex& v : mesh.vertices) {
     v.position = {v.position[0], v.position[2], -v.position[1]};
@@ -157,13 +157,13 @@ Mesh along_y(Mesh mesh) {
   return mesh;
 }
 
-Mesh cylinder(double r, double h) {
+Mesh cylinder_mesh(double r, double h) {
   const std::array<render::ProfilePoint, 6> profile = {
       {{0, -h, 0, -1}, {r, -h, 0, -1}, {r, -h, 1, 0}, {r, h, 1, 0}, {r, h, 0, 1}, {0, h, 0, 1}}};
   return along_y(render::lathe(profile, 64));
 }
 
-Mesh capsule(double r, double h) {
+Mesh capsule_mesh(double r, double h) {
   std::vector<render::ProfilePoint> profile;
   constexpr int stacks = 12;
   for (const double side : {-1.0, 1.0}) {
@@ -176,20 +176,19 @@ Mesh capsule(double r, double h) {
   return along_y(render::lathe(profile, 48));
 }
 
-Mesh polyhedron(const contact::Polyhedron& form) {
+Mesh polyhedron_mesh(const contact::Polyhedron& form) {
   Mesh mesh;
   for (const contact::Polyhedron::Face& face : form.faces) {
     std::vector<Vec3> corners;
     for (int k = 0; k < face.count; ++k)
-      corners.push_back(
-          form.vertices[static_cast<std::size_t>(form.loop[static_cast<std::size_t>(face.first + k)])]);
+      corners.push_back(form.vertices[std::size_t(form.loop[std::size_t(face.first + k)])]);
     add_polygon(mesh, corners, face.normal);
   }
   return mesh;
 }
 
 void append(Mesh& mesh, const Mesh& part, const Pose& pose) {
-  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  const auto first = std::uint32_t(mesh.vertices.size());
   const auto vec = [](const std::array<float, 3>& f) { return Vec3(f[0], f[1], f[2]); };
   for (const render::Vertex& v : part.vertices)
     mesh.vertices.push_back(
@@ -197,13 +196,13 @@ void append(Mesh& mesh, const Mesh& part, const Pose& pose) {
   for (const std::uint32_t index : part.indices) mesh.indices.push_back(first + index);
 }
 
-struct MeshOf {
-  Mesh operator()(const contact::Sphere& s) const { return capsule(s.radius, 0); }
-  Mesh operator()(const contact::Capsule& s) const { return capsule(s.radius, s.half_height); }
-  Mesh operator()(const contact::Box& s) const { return box(s.half); }
-  Mesh operator()(const contact::Cylinder& s) const { return cylinder(s.radius, s.half_height); }
-  Mesh operator()(const contact::ConvexHull& s) const { return s.form ? polyhedron(*s.form) : Mesh{}; }
-  Mesh operator()(const contact::Mesh& s) const { return s.form ? polyhedron(*s.form) : Mesh{}; }
+struct MeshVisitor {
+  Mesh operator()(const contact::Sphere& s) const { return capsule_mesh(s.radius, 0); }
+  Mesh operator()(const contact::Capsule& s) const { return capsule_mesh(s.radius, s.half_height); }
+  Mesh operator()(const contact::Box& s) const { return box_mesh(s.half); }
+  Mesh operator()(const contact::Cylinder& s) const { return cylinder_mesh(s.radius, s.half_height); }
+  Mesh operator()(const contact::ConvexHull& s) const { return s.form ? polyhedron_mesh(*s.form) : Mesh{}; }
+  Mesh operator()(const contact::Mesh& s) const { return s.form ? polyhedron_mesh(*s.form) : Mesh{}; }
   Mesh operator()(const contact::Compound& s) const {
     Mesh mesh;
     for (const contact::CompoundChild& child : *s.children) append(mesh, shape_mesh(child.shape), child.pose);
@@ -214,28 +213,28 @@ struct MeshOf {
 }  // namespace
 
 render::Mesh shape_mesh(const contact::Shape& shape) {
-  return std::visit(MeshOf{}, shape);
+  return std::visit(MeshVisitor{}, shape);
 }
 
 namespace {
 
-// Edges that one triangle has, by their corners: those of a seam are the same in two vertices each.
-std::vector<std::array<int, 2>> rim_of(const surface::TriangleMesh& base) {
+// Edges of one triangle only, after welding vertices that are duplicated along texture seams.
+std::vector<std::array<int, 2>> boundary_edges(const surface::TriangleMesh& base) {
   using Place = std::tuple<double, double, double>;
   std::map<Place, int> welded;
   const auto name = [&](int k) {
-    const Vec3& p = base.positions[static_cast<std::size_t>(k)];
+    const Vec3& p = base.positions[std::size_t(k)];
     return welded.try_emplace({p.x(), p.y(), p.z()}, k).first->second;
   };
-  std::map<std::array<int, 2>, std::array<int, 2>> single;  // from, to; as they are in their triangle
+  std::map<std::array<int, 2>, std::array<int, 2>> unpaired;  // welded edge -> original vertices
   for (const surface::Triangle& t : base.triangles) {
     for (std::size_t k = 0; k < 3; ++k) {
       const int a = t[k], b = t[(k + 1) % 3];
-      if (single.erase({name(b), name(a)}) == 0) single[{name(a), name(b)}] = {a, b};
+      if (unpaired.erase({name(b), name(a)}) == 0) unpaired[{name(a), name(b)}] = {a, b};
     }
   }
   std::vector<std::array<int, 2>> rim;
-  for (const auto& [names, edge] : single)
+  for (const auto& [names, edge] : unpaired)
     if (names[0] != names[1]) rim.push_back(edge);
   return rim;
 }
@@ -243,24 +242,24 @@ std::vector<std::array<int, 2>> rim_of(const surface::TriangleMesh& base) {
 }  // namespace
 
 render::Mesh back_mesh(const surface::TriangleMesh& base, double relief, double thickness) {
-  const auto rim = rim_of(base);
+  const auto rim = boundary_edges(base);
   render::Mesh mesh;
   if (rim.empty()) return mesh;
-  const auto at = [&](int k) { return static_cast<std::size_t>(k); };
-  const auto below = [&](int k, double by) { return Vec3(base.positions[at(k)] - by * base.normals[at(k)]); };
+  const auto at = [&](int k) { return std::size_t(k); };
+  const auto offset = [&](int k, double by) {
+    return Vec3(base.positions[at(k)] - by * base.normals[at(k)]);
+  };
   for (std::size_t k = 0; k < base.positions.size(); ++k)
-    mesh.vertices.push_back({floats(below(static_cast<int>(k), thickness)), floats(-base.normals[k])});
+    mesh.vertices.push_back({floats(offset(int(k), thickness)), floats(-base.normals[k])});
   for (const surface::Triangle& t : base.triangles)
-    for (const int k : {t[0], t[2], t[1]}) mesh.indices.push_back(static_cast<std::uint32_t>(k));
+    for (const int k : {t[0], t[2], t[1]}) mesh.indices.push_back(std::uint32_t(k));
   for (const auto& [a, b] : rim) {
-    const std::array<Vec3, 4> corners = {below(a, relief), below(a, thickness), below(b, thickness),
-                                         below(b, relief)};
+    const std::array<Vec3, 4> corners = {offset(a, relief), offset(a, thickness), offset(b, thickness),
+                                         offset(b, relief)};
     const Vec3 normal = (corners[1] - corners[0]).cross(corners[3] - corners[0]).normalized();
-    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-    for (const Vec3& corner : corners) mesh.vertices.push_back({floats(corner), floats(normal)});
-    for (const std::uint32_t k : {0u, 1u, 2u, 0u, 2u, 3u}) mesh.indices.push_back(first + k);
+    add_polygon(mesh, corners, normal);
   }
   return mesh;
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::scene

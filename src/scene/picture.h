@@ -1,4 +1,4 @@
-// From a scene and where its bodies are to what the renderer draws: the same for a video and for the window.
+// Turns a scene and its bodies' poses into a render::FrameScene, for videos and the window alike.
 #pragma once
 
 #include <memory>
@@ -14,13 +14,13 @@
 #include "scene/scene.h"
 #include "scene/surfaces.h"
 
-namespace intaglio::session {
+namespace intaglio::scene {
 
 class ScenePicture {
  public:
   ScenePicture(const Scene& scene, const SceneSurface& surface);
 
-  // Camera, light and representation are the scene's; change what you like.
+  // Camera, light and representation are the scene's; the caller may change them.
   render::FrameScene frame(std::span<const Pose> balls, std::span<const Pose> bodies,
                            const std::optional<Vec3>& pen_tip) const;
 
@@ -28,29 +28,25 @@ class ScenePicture {
   void add_body(std::size_t k, const std::vector<SceneSurface>& reliefs);
 
   Scene scene_;
-  std::vector<render::Solid>
-      solids_;  // where they were at the start: of bodies, then the backs of curved ground
+  std::vector<render::Solid> solids_;  // bodies at their start, then the backs of curved grounds
   std::vector<render::FrameScene::PartPose> part_poses_;
-  // Of each body: which of these it has.
-  struct Drawn {
+  // Indices of a body's drawings in the two lists above.
+  struct BodyDrawing {
     std::optional<std::size_t> solid;
     std::size_t first_part = 0, parts = 0;
   };
-  std::vector<Drawn> drawn_;
+  std::vector<BodyDrawing> drawings_;
 };
 
-// What the renderer shows of a scene's surfaces: the floor, then the grounds, then the reliefs of bodies.
+// The surfaces of a scene for the renderer: the floor, then the grounds, then the reliefs of bodies.
 std::vector<render::SurfacePart> surface_parts(const Scene& scene, const SceneSurface& surface);
 
-// What a body's shape looks like: a mesh in the body's frame for the renderer. Pure; milliseconds.
-
+// Render mesh of a contact shape, in the body's frame. Pure; milliseconds.
 render::Mesh shape_mesh(const contact::Shape& shape);
 
-// The other side of an open curved base that is some metres thick, with its rim: what one sees of a bowl from
-// outside. Pure; milliseconds.
-
-// Empty where the base is closed. The rim is drawn from `relief` metres below the base, where the layer of
-// the relief, which has a side of its own, ends.
+// Back face and rim of an open curved base of that thickness, m: the outside of a bowl. Empty for a closed
+// base. The rim starts `relief` metres below the base, where the relief layer's own side wall ends. Pure;
+// milliseconds.
 render::Mesh back_mesh(const surface::TriangleMesh& base, double relief, double thickness);
 
-}  // namespace intaglio::session
+}  // namespace intaglio::scene

@@ -1,20 +1,20 @@
 #include "scene/scene.h"
 
+#include <fmt/format.h>
 #include <array>
 #include <cmath>
 #include <limits>
-#include <fmt/format.h>
 
 #include "core/file.h"
 #include "core/toml.h"
 #include "intaglio/representation.h"
 #include "scene/scene_reader.h"
 
-namespace intaglio::session {
+namespace intaglio::scene {
 
 namespace {
 
-void read_surface(TomlReader& r, SurfaceScene& surface) {
+void read_surface(TomlReader& r, SurfaceSettings& surface) {
   read_texture(r, surface);
   r.vec2("size", surface.size, {0.01, 100, false, "a side must be between 0.01 m and 100 m"});
   r.number("thickness", surface.thickness,
@@ -28,43 +28,33 @@ void read_surface(TomlReader& r, SurfaceScene& surface) {
   }
 }
 
-void read_representation(TomlReader& r, SurfaceScene& floor) {
-  int representation = static_cast<int>(floor.representation);
-  r.choice("representation", {"flat", "normal", "relief"}, representation);
-  floor.representation = static_cast<Representation>(representation);
+void read_representation(TomlReader& r, SurfaceSettings& floor) {
+  r.choice("representation", {"flat", "normal", "relief"}, floor.representation);
 }
 
-void read_physics(TomlReader& r, PhysicsScene& physics) {
+void read_physics(TomlReader& r, PhysicsSettings& physics) {
   r.integer("rate", physics.rate, {30, 20000, false, "a rate must be between 30 Hz and 20000 Hz"});
   r.vec3("gravity", physics.gravity);
-  int method = static_cast<int>(physics.method);
-  r.choice("contact", {"closest", "directional"}, method);
-  physics.method = static_cast<dynamics::ContactMethod>(method);
-  int normals = static_cast<int>(physics.normal_method);
-  r.choice("normals", {"implied", "literal"}, normals);
-  physics.normal_method = static_cast<dynamics::NormalMethod>(normals);
-  if (r.has("respawn_below")) {
-    r.number("respawn_below", physics.respawn_below.emplace(),
-             {-1e4, 1e4, false, "a height must be between -10000 m and 10000 m"});
-  } else {
-    r.optional_key("respawn_below");
-  }
+  r.choice("contact", {"closest", "directional"}, physics.method);
+  r.choice("normals", {"implied", "literal"}, physics.normal_method);
+  r.number("respawn_below", physics.respawn_below,
+           {-1e4, 1e4, false, "a height must be between -10000 m and 10000 m"});
 }
 
-void read_path(TomlReader& r, PenScene& pen) {
+void read_path(TomlReader& r, PenSettings& pen) {
   std::vector<std::vector<double>> rows;
   r.rows("path", 4, rows);
   for (const auto& row : rows) {
     if (!pen.path.empty() && row[0] <= pen.path.back().time) {
-      r.fail_at("path", fmt::format("pen.path goes back in time at {} s", row[0]),
+      r.fail_at("path", fmt::format("pen.path: time {} s does not increase", row[0]),
                 "times must increase from row to row");
     }
     if (row[0] < 0 || row[0] > 1e5)
-      r.fail_at("path", fmt::format("pen.path is somewhere at {:g} s", row[0]),
+      r.fail_at("path", fmt::format("pen.path: time {:g} s is out of range", row[0]),
                 "times must be between 0 s and 100000 s");
     for (std::size_t k = 1; k < 4; ++k) {
       if (std::abs(row[k]) > 1e4)
-        r.fail_at("path", fmt::format("pen.path goes to {:g} m", row[k]),
+        r.fail_at("path", fmt::format("pen.path: coordinate {:g} m is out of range", row[k]),
                   "each number must be between -10000 and 10000");
     }
     pen.path.push_back({row[0], {row[1], row[2], row[3]}});
@@ -72,7 +62,7 @@ void read_path(TomlReader& r, PenScene& pen) {
   if (pen.path.empty()) r.fail_at("path", "pen.path has no waypoint", "give rows of [time s, x m, y m, z m]");
 }
 
-void read_pen(TomlReader& r, PenScene& pen) {
+void read_pen(TomlReader& r, PenSettings& pen) {
   r.number("length", pen.length, positive("a length must be greater than 0 m and at most 10 m", 10));
   r.number("radius", pen.radius, positive("a radius must be greater than 0 m and at most 1 m", 1));
   read_material(r, "material", pen.material);
@@ -80,18 +70,11 @@ void read_pen(TomlReader& r, PenScene& pen) {
   r.vec3("workspace_origin", pen.workspace.origin);
   r.number("workspace_scale", pen.workspace.scale,
            positive("a scale must be greater than 0 and at most 1000", 1e3));
-  int method = static_cast<int>(pen.method);
-  r.choice("method", {"potential", "plane"}, method);
-  pen.method = static_cast<haptics::HapticMethod>(method);
-  if (r.has("tip_radius")) {
-    r.number("tip_radius", pen.tip_radius.emplace(),
-             at_least_zero("a tip radius must be between 0 m and 1 m", 1));
-  } else {
-    r.optional_key("tip_radius");
-  }
+  r.choice("method", {"potential", "plane"}, pen.method);
+  r.number("tip_radius", pen.tip_radius, at_least_zero("a tip radius must be between 0 m and 1 m", 1));
   r.number("stiffness", pen.spring.stiffness, at_least_zero("stiffness must be between 0 and 1e5 N/m", 1e5));
   r.number("damping", pen.spring.damping, at_least_zero("damping must be between 0 and 1e3 N s/m", 1e3));
-  int rate = static_cast<int>(pen.device.rate);
+  int rate = int(pen.device.rate);
   r.integer("device_rate", rate, {100, 20000, false, "a servo rate must be between 100 Hz and 20000 Hz"});
   pen.device.rate = rate;
   r.number("device_peak_force", pen.device.peak_force,
@@ -103,7 +86,7 @@ void read_pen(TomlReader& r, PenScene& pen) {
     r.fail_at("device_workspace", "a side of the device's workspace is out of range",
               "sides must be between 0.001 m and 10 m");
   r.number("ramp_in", pen.limits.ramp_in,
-           {0.5, 60, false, "the ramp-in is a safety limit: between 0.5 s and 60 s"});
+           {0.5, 60, false, "ramp_in must be between 0.5 s and 60 s (a safety limit)"});
   r.number("hand_mass", pen.hand.mass, positive("a mass must be greater than 0 kg and at most 100 kg", 100));
   r.number("hand_stiffness", pen.hand.stiffness,
            positive("stiffness must be greater than 0 N/m and at most 1e5 N/m", 1e5));
@@ -112,40 +95,38 @@ void read_pen(TomlReader& r, PenScene& pen) {
   pen.limits.peak_force = pen.device.peak_force;
 }
 
-void read_sound(TomlReader& r, SoundScene& sound) {
+void read_sound(TomlReader& r, SoundSettings& sound) {
   r.integer("sample_rate", sound.sample_rate,
             {8000, 192000, false, "a sample rate must be between 8000 Hz and 192000 Hz"});
   r.number("gain_db", sound.gain_db, {-120, 60, false, "a gain must be between -120 dB and 60 dB"});
-  int meso = -1;
-  r.choice("meso", {"engine", "texels", "height"}, meso);
-  if (meso >= 0) sound.meso = static_cast<sound::MesoSource>(meso);
+  r.choice("meso", {"engine", "texels", "height"}, sound.meso);
   r.number("micro", sound.micro, at_least_zero("a level must be between 0 and 100", 100));
   r.integer("modes", sound.modes, {1, 2000, false, "between 1 and 2000 modes a body"});
 }
 
-void read_video(TomlReader& r, VideoScene& video) {
+void read_video(TomlReader& r, VideoSettings& video) {
   r.integer("width", video.width, {16, 7680, false, "a width must be between 16 and 7680 pixels"});
   r.integer("height", video.height, {16, 4320, false, "a height must be between 16 and 4320 pixels"});
   r.integer("fps", video.fps, {1, 240, false, "between 1 and 240 frames a second"});
   r.integer("supersample", video.supersample, {1, 4, false, "supersampling must be between 1 and 4"});
   if (video.width % 2 != 0 || video.height % 2 != 0)
     r.fail_at(video.width % 2 != 0 ? "width" : "height", "video.width and video.height must be even",
-              "H.264 needs whole 2 x 2 blocks");
+              "H.264 needs even sizes");
 }
 
-void read_camera(TomlReader& r, CameraScene& camera) {
+void read_camera(TomlReader& r, CameraSettings& camera) {
   r.vec3("eye", camera.eye);
   r.vec3("target", camera.target);
   r.number("vertical_fov", camera.vertical_fov,
            {1, 170, false, "a field of view must be between 1 and 170 degrees"});
   if ((camera.target - camera.eye).norm() < 1e-6)
-    r.fail_at(r.has("eye") ? "eye" : "target", "the camera looks at where it is",
-              "camera.eye and camera.target must be two places");
+    r.fail_at(r.has("eye") ? "eye" : "target", "the camera's eye and target coincide",
+              "camera.eye and camera.target must be different points");
 }
 
 }  // namespace
 
-void put_texture(SurfaceScene& surface, const std::string& texture) {
+void put_texture(SurfaceSettings& surface, const std::string& texture) {
   surface.texture = texture;
   surface.depth.reset();
   surface.green.reset();
@@ -162,7 +143,7 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name) {
   TomlReader r(*parsed, name, "", error);
   r.string("title", scene.title);
   r.number("duration", scene.duration, {0.1, 3600, false, "a duration must be between 0.1 s and 3600 s"});
-  r.integer("seed", scene.seed, at_least_zero("a seed must be a whole number from 0 to 1e9", 1e9));
+  r.integer("seed", scene.seed, at_least_zero("a seed must be an integer from 0 to 1e9", 1e9));
   read_direction(r, "light", scene.light);
   r.table("surface", [&](TomlReader& t) {
     read_surface(t, scene.surface);
@@ -173,7 +154,7 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name) {
     read_surface(t, scene.grounds.emplace_back());
     read_base(t, scene.grounds.back());
     t.optional_key("representation");
-    t.only_keys("a ground (the floor's applies to all)", {}, {"representation"});
+    t.only_keys("a ground (representation is set on the floor, in [surface])", {}, {"representation"});
     scene.grounds.back().representation = scene.surface.representation;
   });
   r.tables("ball", [&](TomlReader& t) { read_ball(t, scene.surface, scene.balls); });
@@ -192,7 +173,7 @@ Result<Scene> read_scene(const std::filesystem::path& path) {
   if (!bytes) return tl::unexpected(bytes.error());
   auto scene = parse_scene({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path.string());
   if (!scene) return scene;
-  // What is not in the working folder may lie beside the scene.
+  // Paths that do not exist relative to the working folder are tried relative to the scene file.
   const auto find = [&](std::string& file) {
     std::error_code ignored;
     const auto beside = path.parent_path() / file;
@@ -200,13 +181,13 @@ Result<Scene> read_scene(const std::filesystem::path& path) {
       file = beside.string();
   };
   find(scene->surface.texture);
-  for (SurfaceScene& ground : scene->grounds) {
+  for (SurfaceSettings& ground : scene->grounds) {
     find(ground.texture);
     if (ground.base && !ground.base->file.empty()) find(ground.base->file);
   }
-  for (BodyScene& body : scene->bodies)
-    for (SurfaceScene& relief : body.reliefs) find(relief.texture);
+  for (BodySettings& body : scene->bodies)
+    for (SurfaceSettings& relief : body.reliefs) find(relief.texture);
   return scene;
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::scene

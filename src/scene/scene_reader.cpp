@@ -1,5 +1,3 @@
-// Balls and bodies of a scene file.
-
 #include "scene/scene_reader.h"
 
 #include <fmt/format.h>
@@ -13,15 +11,15 @@
 #include "core/toml.h"
 #include "intaglio/vec.h"
 
-namespace intaglio::session {
+namespace intaglio::scene {
 
 namespace {
 
-constexpr Range length{0.001, 10, false, "a length must be between 0.001 m and 10 m"};
+constexpr Range length_range{0.001, 10, false, "a length must be between 0.001 m and 10 m"};
 
-// Positions are those of the world, or of the floor: x to the right, y out of it, z towards its lower edge,
-// from its middle.
-Pose read_frame(TomlReader& r, const SurfaceScene& floor) {
+// Positions are in the world or in the floor's frame: origin at its centre, x right, y along the normal, z
+// towards its lower edge.
+Pose read_frame(TomlReader& r, const SurfaceSettings& floor) {
   int frame = 0;
   r.choice("frame", {"world", "floor"}, frame);
   return frame == 0 ? Pose{} : Pose{floor.position, rotation_of(floor.rotation)};
@@ -34,8 +32,9 @@ void read_mass(TomlReader& r, double mass_now, Material& material) {
   if (!(mass_now > 0)) return;
   const double density = material.density * mass / mass_now;
   if (!(density >= 1 && density <= 1e5))
-    return r.fail_at("mass", fmt::format("a mass of {:g} kg would make it of {:.3g} kg/m3", mass, density),
-                     fmt::format("between 1 and 100000 kg/m3, a mass of {:.2g} to {:.2g} kg",
+    return r.fail_at("mass",
+                     fmt::format("a mass of {:g} kg implies a density of {:.3g} kg/m3", mass, density),
+                     fmt::format("the density must be 1 to 100000 kg/m3: a mass of {:.2g} to {:.2g} kg",
                                  mass_now / material.density, 1e5 * mass_now / material.density));
   material.density = density;
 }
@@ -44,19 +43,19 @@ contact::Shape read_shape(TomlReader& r, std::string& name) {
   const std::vector<std::string> names = {"box", "sphere", "capsule", "cylinder", "letter"};
   int shape = 0;
   r.choice("shape", names, shape);
-  name = names[static_cast<std::size_t>(shape)];
+  name = names[std::size_t(shape)];
   Vec3 size = Vec3::Constant(0.1);
   double radius = 0.05, height = 0.1;
   std::string letter = "A";
   r.vec3("size", size);
-  r.number("radius", radius, length);
-  r.number("height", height, length);
+  r.number("radius", radius, length_range);
+  r.number("height", height, length_range);
   r.string("letter", letter);
   if ((shape == 0 || shape == 4) && (size.minCoeff() < 0.001 || size.maxCoeff() > 10))
     r.fail_at("size", "a side of the body is out of range", "sides must be between 0.001 m and 10 m");
-  static const std::array<std::vector<const char*>, 5> uses = {
+  static const std::array<std::vector<const char*>, 5> keys_of = {
       {{"size"}, {"radius"}, {"radius", "height"}, {"radius", "height"}, {"letter", "size"}}};
-  r.only_keys("a " + name, uses[static_cast<std::size_t>(shape)], {"size", "radius", "height", "letter"});
+  r.only_keys("a " + name, keys_of[std::size_t(shape)], {"size", "radius", "height", "letter"});
   switch (shape) {
     case 1:
       return contact::Sphere{radius};
@@ -76,7 +75,7 @@ contact::Shape read_shape(TomlReader& r, std::string& name) {
   }
 }
 
-void read_flipper(TomlReader& r, BodyScene& body) {
+void read_flipper(TomlReader& r, BodySettings& body) {
   Flipper flipper;
   const bool is_flipper = r.has("key");
   r.choice("key", {"left", "right"}, flipper.key);
@@ -84,9 +83,9 @@ void read_flipper(TomlReader& r, BodyScene& body) {
   read_direction(r, "axis", flipper.axis);
   r.number("sweep", flipper.sweep, {-180, 180, false, "a sweep must be between -180 and 180 degrees"});
   if (!is_flipper)
-    return r.only_keys("a body that is not a flipper (key = \"left\" or \"right\")", {},
+    return r.only_keys("a body without a key (key = \"left\" or \"right\" makes a flipper)", {},
                        {"pivot", "axis", "sweep"});
-  r.only_keys("a flipper (moved by its key)", {"pivot", "axis", "sweep"}, {"motion", "velocity", "spin"});
+  r.only_keys("a flipper (its key drives it)", {"pivot", "axis", "sweep"}, {"motion", "velocity", "spin"});
   flipper.axis.normalize();
   body.flipper = flipper;
   body.body.motion = dynamics::Motion::driven;
@@ -111,8 +110,8 @@ void read_direction(TomlReader& r, const char* key, Vec3& direction) {
     r.fail_at(key, std::string(key) + " has no direction", "give a vector that is not zero");
 }
 
-void read_ball(TomlReader& r, const SurfaceScene& floor, std::vector<BallScene>& balls) {
-  BallScene ball;
+void read_ball(TomlReader& r, const SurfaceSettings& floor, std::vector<BallSettings>& balls) {
+  BallSettings ball;
   ball.material = *find_material("plastic");
   r.number("radius", ball.radius, {0.001, 10, false, "a radius must be between 0.001 m and 10 m"});
   read_material(r, "material", ball.material);
@@ -132,16 +131,14 @@ void read_ball(TomlReader& r, const SurfaceScene& floor, std::vector<BallScene>&
   balls.push_back(ball);
 }
 
-void read_body(TomlReader& r, const SurfaceScene& floor, std::vector<BodyScene>& bodies) {
-  BodyScene body;
-  dynamics::ShapeBody& is = body.body;
-  is.shape = read_shape(r, body.name);
-  is.material = *find_material("wood");
-  read_material(r, "material", is.material);
-  read_mass(r, is.mass(), is.material);
-  int motion = 0;
-  r.choice("motion", {"free", "fixed"}, motion);
-  is.motion = static_cast<dynamics::Motion>(motion);
+void read_body(TomlReader& r, const SurfaceSettings& floor, std::vector<BodySettings>& bodies) {
+  BodySettings body;
+  dynamics::ShapeBody& shape = body.body;
+  shape.shape = read_shape(r, body.name);
+  shape.material = *find_material("wood");
+  read_material(r, "material", shape.material);
+  read_mass(r, shape.mass(), shape.material);
+  r.choice("motion", {"free", "fixed"}, shape.motion);
   const Pose frame = read_frame(r, floor);
   Vec3 position = Vec3::Zero(), degrees = Vec3::Zero(), velocity = Vec3::Zero(), spin = Vec3::Zero();
   r.vec3("position", position);
@@ -151,44 +148,22 @@ void read_body(TomlReader& r, const SurfaceScene& floor, std::vector<BodyScene>&
   read_colour(r, body.colour);
   r.number("kick", body.kick, at_least_zero("a kick must be between 0 and 20 m/s", 20));
   read_flipper(r, body);
-  if (is.motion == dynamics::Motion::fixed) r.only_keys("a fixed body", {}, {"velocity", "spin"});
-  read_reliefs(r, is.shape, body.reliefs);
-  is.pose = {frame.to_world(position), frame.orientation * rotation_of(degrees)};
-  is.velocity = frame.orientation * velocity;
-  is.angular_velocity = frame.orientation * spin;
+  if (shape.motion == dynamics::Motion::fixed) r.only_keys("a fixed body", {}, {"velocity", "spin"});
+  read_reliefs(r, shape.shape, body.reliefs);
+  shape.pose = {frame.to_world(position), frame.orientation * rotation_of(degrees)};
+  shape.velocity = frame.orientation * velocity;
+  shape.angular_velocity = frame.orientation * spin;
   bodies.push_back(std::move(body));
 }
 
-// Textures of a scene file, and the curved bases and bodies that they lie on.
-
-void read_texture(TomlReader& r, SurfaceScene& surface) {
+void read_texture(TomlReader& r, SurfaceSettings& surface) {
   r.string("texture", surface.texture);
   surface.line = r.line_of("texture");
-  if (r.has("green")) {
-    int green = 0;
-    r.choice("green", {"+Y", "-Y"}, green);
-    surface.green = green == 0 ? surface::Green::plus_y : surface::Green::minus_y;
-  } else {
-    r.optional_key("green");
-  }
-  if (r.has("polarity")) {
-    int polarity = 0;
-    r.choice("polarity", {"depth", "height"}, polarity);
-    surface.polarity = polarity == 0 ? surface::Polarity::depth : surface::Polarity::height;
-  } else {
-    r.optional_key("polarity");
-  }
-  int edge = static_cast<int>(surface.edge);
-  r.choice("edge", {"wrap", "clamp"}, edge);
-  surface.edge = static_cast<surface::Edge>(edge);
-  if (r.has("depth")) {
-    r.number("depth", surface.depth.emplace(), at_least_zero("depth must be between 0 m and 10 m", 10));
-  } else {
-    r.optional_key("depth");
-  }
-  int mode = static_cast<int>(surface.mode);
-  r.choice("maps", {"fused", "raw"}, mode);
-  surface.mode = static_cast<surface::ImportMode>(mode);
+  r.choice("green", {"+Y", "-Y"}, surface.green);
+  r.choice("polarity", {"depth", "height"}, surface.polarity);
+  r.choice("edge", {"wrap", "clamp"}, surface.edge);
+  r.number("depth", surface.depth, at_least_zero("depth must be between 0 m and 10 m", 10));
+  r.choice("maps", {"fused", "raw"}, surface.mode);
 }
 
 namespace {
@@ -196,26 +171,26 @@ namespace {
 void read_repeat(TomlReader& r, Vec2& repeat) {
   r.vec2("repeat", repeat, {1, 64, false, "a texture can be repeated 1 to 64 times"});
   if (repeat != Vec2(std::floor(repeat.x()), std::floor(repeat.y())))
-    r.fail_at("repeat", "a texture is repeated in part", "give whole numbers");
+    r.fail_at("repeat", "repeat must be integers", "for example [8, 4]");
 }
 
-void only_keys_of_base(TomlReader& r, BaseScene::Shape shape) {
+void only_keys_of_base(TomlReader& r, BaseSettings::Shape shape) {
   const std::vector<const char*> all = {"radius", "height", "file", "repeat"};
   switch (shape) {
-    case BaseScene::Shape::bowl:
+    case BaseSettings::Shape::bowl:
       return r.only_keys("a bowl", {"radius", "repeat"}, all);
-    case BaseScene::Shape::cylinder:
+    case BaseSettings::Shape::cylinder:
       return r.only_keys("a cylinder", {"radius", "height", "repeat"}, all);
-    case BaseScene::Shape::sphere:
+    case BaseSettings::Shape::sphere:
       return r.only_keys("a sphere", {"radius", "repeat"}, all);
-    case BaseScene::Shape::mesh:
+    case BaseSettings::Shape::mesh:
       return r.only_keys("a mesh", {"file", "repeat"}, all);
   }
 }
 
-// On the side of a box that its Y leaves by, or, upside down, comes in by.
-SurfaceScene face_of(const contact::Box& box, bool bottom) {
-  SurfaceScene face;
+// The texture rectangle on a box's top (+Y) or, flipped, on its bottom (-Y).
+SurfaceSettings face_surface(const contact::Box& box, bool bottom) {
+  SurfaceSettings face;
   face.size = {2 * box.half.x(), 2 * box.half.z()};
   face.position = {0, bottom ? -box.half.y() : box.half.y(), 0};
   face.rotation = {bottom ? 180.0 : 0.0, 0, 0};
@@ -225,43 +200,41 @@ SurfaceScene face_of(const contact::Box& box, bool bottom) {
 
 }  // namespace
 
-void read_base(TomlReader& r, SurfaceScene& surface) {
+void read_base(TomlReader& r, SurfaceSettings& surface) {
   r.table("base", [&](TomlReader& reader) {
-    BaseScene& base = surface.base.emplace();
-    int shape = 0;
-    reader.choice("shape", {"bowl", "cylinder", "sphere", "mesh"}, shape);
-    base.shape = static_cast<BaseScene::Shape>(shape);
+    BaseSettings& base = surface.base.emplace();
+    reader.choice("shape", {"bowl", "cylinder", "sphere", "mesh"}, base.shape);
     reader.number("radius", base.radius, {0.01, 100, false, "a radius must be between 0.01 m and 100 m"});
     reader.number("height", base.height, {0.01, 100, false, "a height must be between 0.01 m and 100 m"});
     reader.string("file", base.file);
     read_repeat(reader, base.repeat);
     base.line = reader.line_of("file");
     only_keys_of_base(reader, base.shape);
-    if (base.shape == BaseScene::Shape::mesh && base.file.empty())
+    if (base.shape == BaseSettings::Shape::mesh && base.file.empty())
       reader.fail_at("shape", "a mesh has no file", "give file = \"bowl.glb\", with texture coordinates");
   });
   if (surface.base) r.only_keys("a ground with a base", {"base"}, {"size"});
 }
 
-void read_reliefs(TomlReader& r, const contact::Shape& shape, std::vector<SurfaceScene>& reliefs) {
+void read_reliefs(TomlReader& r, const contact::Shape& shape, std::vector<SurfaceSettings>& reliefs) {
   const auto* box = std::get_if<contact::Box>(&shape);
   const auto* ball = std::get_if<contact::Sphere>(&shape);
   const auto read_face = [&](TomlReader& t, bool bottom) {
-    SurfaceScene face = face_of(box == nullptr ? contact::Box{Vec3::Ones()} : *box, bottom);
+    SurfaceSettings face = face_surface(box == nullptr ? contact::Box{Vec3::Ones()} : *box, bottom);
     read_texture(t, face);
     reliefs.push_back(std::move(face));
   };
   for (const char* side : {"top", "bottom"})
     if (box == nullptr && r.has(side))
-      r.fail_at(side, std::string("this body has no ") + side, "a box has; a sphere may have a skin");
+      r.fail_at(side, std::string("this body has no ") + side, "only a box has; a sphere takes a skin");
   r.table("top", [&](TomlReader& t) { read_face(t, false); });
   r.table("bottom", [&](TomlReader& t) { read_face(t, true); });
   if (ball == nullptr && r.has("skin"))
-    r.fail_at("skin", "this body has no skin", "a sphere has; a box may have a top and a bottom");
+    r.fail_at("skin", "this body has no skin", "only a sphere has; a box takes a top and a bottom");
   r.table("skin", [&](TomlReader& t) {
-    SurfaceScene skin;
-    BaseScene& base = skin.base.emplace();
-    base.shape = BaseScene::Shape::sphere;
+    SurfaceSettings skin;
+    BaseSettings& base = skin.base.emplace();
+    base.shape = BaseSettings::Shape::sphere;
     base.radius = ball == nullptr ? 1 : ball->radius;
     read_texture(t, skin);
     read_repeat(t, base.repeat);
@@ -276,7 +249,7 @@ constexpr int columns = 5, rows = 7;
 
 struct Glyph {
   char letter;
-  std::array<std::uint8_t, rows> row;  // from the head down; the highest of five bits is the left one
+  std::array<std::uint8_t, rows> row;  // from the head down; bit 4 is the left column
 };
 
 constexpr Glyph glyphs[] = {
@@ -327,7 +300,8 @@ Raster raster_of(const Glyph& glyph) {
   return raster;
 }
 
-// The largest rectangle that begins at (x, y) and goes on downwards as long as all of its row does.
+// A rectangle of filled cells that starts at (x, y): take_bar() grows it to the right first unless
+// `tall_first`, then down, and clears its cells.
 struct Bar {
   std::size_t x0, y0, x1, y1;  // past the end
 };
@@ -360,8 +334,7 @@ std::optional<contact::Shape> letter_shape(const std::string& text, const Vec3& 
         if (!raster[y][x]) continue;
         const bool tall = x + 1 == columns || !raster[y][x + 1];
         const Bar bar = take_bar(raster, x, y, tall);
-        const Vec3 low(static_cast<double>(bar.x0), -0.5, static_cast<double>(bar.y0));
-        const Vec3 high(static_cast<double>(bar.x1), 0.5, static_cast<double>(bar.y1));
+        const Vec3 low(double(bar.x0), -0.5, double(bar.y0)), high(double(bar.x1), 0.5, double(bar.y1));
         const Vec3 middle = 0.5 * (low + high) - Vec3(0.5 * columns, 0, 0.5 * rows);
         children.push_back({contact::Box{0.5 * (high - low).cwiseProduct(cell)},
                             {middle.cwiseProduct(cell), Quat::Identity()}});
@@ -372,4 +345,4 @@ std::optional<contact::Shape> letter_shape(const std::string& text, const Vec3& 
   return std::nullopt;
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::scene

@@ -1,10 +1,10 @@
 #include "scene/surfaces.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <variant>
-#include <fmt/format.h>
 
 #include "core/text.h"
 #include "intaglio/error.h"
@@ -16,12 +16,12 @@
 #include "surface/maps.h"
 #include "surface/recipes/builtin.h"
 
-namespace intaglio::session {
+namespace intaglio::scene {
 
 namespace {
 
-// On its rectangle.
-Result<SceneSurface> make_flat(const SurfaceScene& from) {
+// The texture on a rectangle; `base` is ignored.
+Result<SceneSurface> build_flat(const SurfaceSettings& from) {
   SceneSurface out;
   out.material = *find_material("brick");
   surface::Texels texels;
@@ -60,8 +60,8 @@ Result<SceneSurface> make_flat(const SurfaceScene& from) {
   return out;
 }
 
-Result<SceneSurface> make_one(const SurfaceScene& from) {
-  SurfaceScene measured = from;
+Result<SceneSurface> build_surface(const SurfaceSettings& from) {
+  SurfaceSettings measured = from;
   std::optional<surface::MeshPlacement> base;
   if (from.base) {
     auto made = make_base(*from.base, {from.position, rotation_of(from.rotation)});
@@ -69,7 +69,7 @@ Result<SceneSurface> make_one(const SurfaceScene& from) {
     measured.size = surface::texture_size(made->mesh());
     base = std::move(*made);
   }
-  auto out = make_flat(measured);
+  auto out = build_flat(measured);
   if (!out) return tl::unexpected(with_where(from.line, out.error()));
   if (!base) return out;
   auto curved = surface::ReliefMesh::make(out->surface, std::move(*base));
@@ -78,12 +78,12 @@ Result<SceneSurface> make_one(const SurfaceScene& from) {
   return out;
 }
 
-// Of a body the box must be left between its reliefs.
-Result<std::vector<SceneSurface>> make_reliefs(const BodyScene& body) {
+// Fails when the reliefs of a box would meet inside it.
+Result<std::vector<SceneSurface>> make_reliefs(const BodySettings& body) {
   std::vector<SceneSurface> out;
   double depth = 0;
-  for (const SurfaceScene& relief : body.reliefs) {
-    auto made = make_one(relief);
+  for (const SurfaceSettings& relief : body.reliefs) {
+    auto made = build_surface(relief);
     if (!made) return tl::unexpected(made.error());
     if (!made->curved) {
       depth += made->surface->max_depth();
@@ -98,13 +98,13 @@ Result<std::vector<SceneSurface>> make_reliefs(const BodyScene& body) {
         body.reliefs.front().line,
         {body.reliefs.front().texture,
          fmt::format("is {:.3g} m deep on a {} that is {:.3g} m thick", depth, body.name, 2 * box->half.y()),
-         "give a lesser depth"}));
+         "use a smaller depth"}));
   return out;
 }
 
 }  // namespace
 
-dynamics::ShapeBody textured(const BodyScene& body, const std::vector<SceneSurface>& reliefs) {
+dynamics::ShapeBody textured(const BodySettings& body, const std::vector<SceneSurface>& reliefs) {
   dynamics::ShapeBody out = body.body;
   for (const SceneSurface& relief : reliefs) {
     if (relief.curved) {
@@ -117,15 +117,15 @@ dynamics::ShapeBody textured(const BodyScene& body, const std::vector<SceneSurfa
 }
 
 Result<SceneSurface> make_surface(const Scene& scene) {
-  auto floor = make_one(scene.surface);
+  auto floor = build_surface(scene.surface);
   if (!floor) return floor;
-  for (const SurfaceScene& ground : scene.grounds) {
-    auto made = make_one(ground);
+  for (const SurfaceSettings& ground : scene.grounds) {
+    auto made = build_surface(ground);
     if (!made) return made;
     floor->grounds.push_back(std::move(*made));
   }
-  if (auto checked = check_covered_texels(scene, *floor); !checked) return tl::unexpected(checked.error());
-  for (const BodyScene& body : scene.bodies) {
+  if (auto checked = check_contact_cost(scene, *floor); !checked) return tl::unexpected(checked.error());
+  for (const BodySettings& body : scene.bodies) {
     auto made = make_reliefs(body);
     if (!made) return tl::unexpected(made.error());
     floor->reliefs.push_back(std::move(*made));
@@ -135,20 +135,20 @@ Result<SceneSurface> make_surface(const Scene& scene) {
 
 namespace {
 
-// So many that a ball rolls on it and not on a polygon; whole textures have whole numbers of them.
+// Segment count: `wanted`, fine enough for smooth rolling, rounded up to a multiple of `repeat`.
 int pieces(int wanted, double repeat) {
-  const int times = static_cast<int>(repeat);
+  const int times = int(repeat);
   return times * ((wanted + times - 1) / times);
 }
 
-Result<surface::TriangleMesh> mesh_of(const BaseScene& base) {
+Result<surface::TriangleMesh> mesh_of(const BaseSettings& base) {
   const int around = pieces(64, base.repeat.x()), up = pieces(32, base.repeat.y());
   switch (base.shape) {
-    case BaseScene::Shape::cylinder:
+    case BaseSettings::Shape::cylinder:
       return surface::make_cylinder(base.radius, base.height, around, pieces(1, base.repeat.y()));
-    case BaseScene::Shape::sphere:
+    case BaseSettings::Shape::sphere:
       return surface::make_sphere(base.radius, around, up);
-    case BaseScene::Shape::mesh:
+    case BaseSettings::Shape::mesh:
       return surface::read_mesh(base.file);
     default:
       return surface::make_bowl(base.radius, around, up);
@@ -157,7 +157,7 @@ Result<surface::TriangleMesh> mesh_of(const BaseScene& base) {
 
 }  // namespace
 
-Result<surface::MeshPlacement> make_base(const BaseScene& base, const Pose& pose) {
+Result<surface::MeshPlacement> make_base(const BaseSettings& base, const Pose& pose) {
   auto mesh = mesh_of(base);
   if (!mesh) return tl::unexpected(mesh.error());
   for (Vec2& uv : mesh->uvs) uv = uv.cwiseProduct(base.repeat);
@@ -167,12 +167,12 @@ Result<surface::MeshPlacement> make_base(const BaseScene& base, const Pose& pose
 
 namespace {
 
-constexpr double slow = 1e5, most = 1e6;  // texels
+constexpr double warn_above = 1e5, limit = 1e6;  // texels
 
 double largest_ball(const Scene& scene) {
   double radius = 0;
-  for (const BallScene& ball : scene.balls) radius = std::max(radius, ball.radius);
-  for (const BodyScene& body : scene.bodies)
+  for (const BallSettings& ball : scene.balls) radius = std::max(radius, ball.radius);
+  for (const BodySettings& body : scene.bodies)
     if (const auto* ball = std::get_if<contact::Sphere>(&body.body.shape))
       radius = std::max(radius, ball->radius);
   return radius;
@@ -189,20 +189,19 @@ double covered_texels(const SceneSurface& relief, double radius) {
   return 2 * std::numbers::pi * radius * surface.max_depth() / texel;
 }
 
-Result<void> check_covered_texels(const Scene& scene, SceneSurface& floor) {
+Result<void> check_contact_cost(const Scene& scene, SceneSurface& floor) {
   const double radius = largest_ball(scene);
   for (std::size_t k = 0; k < floor.grounds.size(); ++k) {
     const double texels = covered_texels(floor.grounds[k], radius);
-    if (texels < slow) continue;
+    if (texels < warn_above) continue;
     const Error error = with_where(
         scene.grounds[k].base->line,
-        {"", fmt::format("a ball of {:g} m lies over {:.2g} texels of this relief", radius, texels),
-         fmt::format("more than {:g} take too long: give a smaller repeat or depth, or a coarser texture",
-                     most)});
-    if (texels > most) return tl::unexpected(error);
-    floor.notes.push_back("warning: steps take long: " + error.message());
+        {"", fmt::format("a ball of radius {:g} m covers {:.2g} texels of this relief", radius, texels),
+         fmt::format("the limit is {:g}: reduce repeat or depth, or use a coarser texture", limit)});
+    if (texels > limit) return tl::unexpected(error);
+    floor.notes.push_back("warning: physics steps will be slow: " + error.message());
   }
   return {};
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::scene

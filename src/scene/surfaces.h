@@ -1,4 +1,4 @@
-// The scene's textures on their rectangles and curved bases, and what they are made of.
+// Builds the surfaces of a scene: floor, grounds and body reliefs, flat or on curved bases.
 #pragma once
 
 #include <memory>
@@ -11,41 +11,43 @@
 #include "mesh/relief_mesh.h"
 #include "scene/scene.h"
 
-namespace intaglio::session {
+namespace intaglio::scene {
 
 struct SceneSurface {
-  std::shared_ptr<const surface::Surface> surface;  // on a curved base: its rectangle measures u and v
-  std::optional<surface::ReliefMesh> curved;  // the same on its base; of a body in its frame, else world
-  std::shared_ptr<const surface::TriangleMesh> quad;  // the rectangle of a body's side, in its frame, to draw
+  // On a curved base: over a rectangle of the size of one texture period.
+  std::shared_ptr<const surface::Surface> surface;
+  // Set on curved bases; in the body's frame for a body's skin, otherwise world.
+  std::optional<surface::ReliefMesh> curved;
+  // Drawn for a box's top or bottom, in the body's frame.
+  std::shared_ptr<const surface::TriangleMesh> quad;
   Material material;
   double roughness = 0.55;                         // for the renderer, 0..1
-  std::vector<std::string> notes;                  // what import found, a line each
-  std::vector<SceneSurface> grounds;               // of a scene's floor: the surfaces beside it
-  std::vector<std::vector<SceneSurface>> reliefs;  // and those on its bodies, one list a body
+  std::vector<std::string> notes;                  // import notes, one per line
+  std::vector<SceneSurface> grounds;               // floor only: the scene's grounds
+  std::vector<std::vector<SceneSurface>> reliefs;  // floor only: reliefs, one list per body
 };
 
-// A body with its reliefs.
-dynamics::ShapeBody textured(const BodyScene& body, const std::vector<SceneSurface>& reliefs);
+// The physics body with its reliefs attached.
+dynamics::ShapeBody textured(const BodySettings& body, const std::vector<SceneSurface>& reliefs);
 
-// The floor with all grounds and bodies' reliefs. Tenths of a second a texture of 512 x 512.
+// The floor with all grounds and bodies' reliefs. Some 0.1 s per 512 x 512 texture.
 Result<SceneSurface> make_surface(const Scene& scene);
 
-// The curved base of a scene's texture: its mesh, and the rectangle that measures the texture on it.
+// The base mesh at `pose`, its texture coordinates scaled by `repeat`; triangle edges fall on the texture's
+// borders. A mesh file is taken as it is.
+Result<surface::MeshPlacement> make_base(const BaseSettings& base, const Pose& pose);
 
-// About its own middle, with the texture as often over it as is wanted; triangles end where it does. A mesh
-// of a file as it is there.
-Result<surface::MeshPlacement> make_base(const BaseScene& base, const Pose& pose);
-
-// How many texels of a curved relief a ball lies over: what a step of contact costs there, about 25 ns each
-// (`intaglio render` of scenes/bowl.toml with repeat = [64, 64]; 2 cores, AMD EPYC, Debian 12, 22 November
-// 2026).
-
-// Those within the relief's depth of where a ball of that radius, m, touches: the cap 2 pi R d. Of a
-// rectangle, whose contact does not look at all of them, and of no depth 0.
+// Texels of a curved relief that a ball of `radius` metres covers: those under the spherical cap whose height
+// is the relief's depth d. A cap of a sphere of radius R has area 2 pi R d (Archimedes); the base's curvature
+// is ignored, so in a bowl of radius B the area is larger by 1 / (1 - R / B). 0 for rectangles, whose contact
+// does not visit every texel, and for zero depth.
+//
+// This is what a contact step costs, about 25 ns a texel (`intaglio render` of scenes/bowl.toml with repeat =
+// [64, 64]; 2 cores, AMD EPYC, Debian 12, 22 November 2026).
 double covered_texels(const SceneSurface& relief, double radius);
 
-// Grounds on which a ball of the scene covers more than a million are errors of the base's line; from a
-// hundred thousand on there is a note that steps take long.
-Result<void> check_covered_texels(const Scene& scene, SceneSurface& floor);
+// An error at the base's line where a ball of the scene covers more than a million texels of a ground; above
+// a hundred thousand, a note.
+Result<void> check_contact_cost(const Scene& scene, SceneSurface& floor);
 
-}  // namespace intaglio::session
+}  // namespace intaglio::scene

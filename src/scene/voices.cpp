@@ -19,7 +19,7 @@
 #include "sound/bake/fem/tet_mesh.h"
 #include "sound/model_file.h"
 
-namespace intaglio::session {
+namespace intaglio::scene {
 
 namespace {
 
@@ -32,7 +32,7 @@ class ModelBaker {
     bake_.modes.stop = options.stop;
   }
 
-  // Adds a sounding body of that mesh. `shape` identifies the mesh: equal shape and material share one model.
+  // Adds a sounding body. `shape` identifies the mesh: equal shapes and materials share one model.
   void add(sound::SoundBody body, const std::string& name, const std::string& shape,
            const std::function<sound::TetMesh()>& mesh, const Material& material) {
     if (error_) return;
@@ -62,7 +62,7 @@ class ModelBaker {
  private:
   using Model = std::shared_ptr<const sound::ModalModel>;
 
-  // A model that cannot be read, or has another identity, is baked again.
+  // Null for a model that cannot be read or has another identity: it is baked again.
   static Model load(const std::filesystem::path& folder, const std::string& identity) {
     const auto file = folder / (identity + ".modes");
     std::error_code ignored;
@@ -95,7 +95,7 @@ class ModelBaker {
       return nullptr;
     }
     ++voices_.baked;
-    // A failed cache write is ignored: it only costs time later.
+    // A failed write to the cache is ignored: it only costs time later.
     if (!options_.cache.empty()) (void)sound::write_model(options_.cache / (identity + ".modes"), *baked);
     return std::make_shared<const sound::ModalModel>(std::move(*baked));
   }
@@ -108,7 +108,7 @@ class ModelBaker {
   std::optional<Error> error_;
 };
 
-// A box with `cells` elements along its longest side, and one through a thin side (below 15 % of that).
+// `cells` elements along the longest side; one through a thin side (below 15 % of the longest).
 sound::TetMesh box_mesh(const Vec3& size, int cells) {
   const auto along = [&](double side) {
     const int n = int(std::lround(cells * side / size.maxCoeff()));
@@ -118,7 +118,7 @@ sound::TetMesh box_mesh(const Vec3& size, int cells) {
 }
 
 // A curved ground rings like the flat slab over its bounds.
-void add_curved(ModelBaker& baker, BodyId id, const std::string& name, const SurfaceScene& ground,
+void add_curved(ModelBaker& baker, BodyId id, const std::string& name, const SurfaceSettings& ground,
                 const SceneSurface& made) {
   const surface::Box bounds = made.curved->bounds();
   const Vec3 size(bounds.sizes().x(), ground.thickness, bounds.sizes().z());
@@ -132,7 +132,7 @@ void add_curved(ModelBaker& baker, BodyId id, const std::string& name, const Sur
       [size] { return box_mesh(size, 16); }, made.material);
 }
 
-void add_slab(ModelBaker& baker, BodyId id, const std::string& name, const SurfaceScene& slab,
+void add_slab(ModelBaker& baker, BodyId id, const std::string& name, const SurfaceSettings& slab,
               const SceneSurface& made) {
   // The slab hangs below the base plane; its modal model is a box about its middle, Y up.
   sound::SoundBody body;
@@ -170,6 +170,7 @@ MeshRecipe mesh_recipe(const contact::Shape& shape) {
   if (const auto* s = std::get_if<contact::Sphere>(&shape))
     return {fmt::format("ball {}", s->radius), [r = s->radius] { return sound::ball(r, 2); }};
   if (const auto* s = std::get_if<contact::Cylinder>(&shape)) return cylinder(s->radius, 2 * s->half_height);
+  // A cylinder of nearly the capsule's volume: 2/3 r for each cap would be all of it.
   if (const auto* s = std::get_if<contact::Capsule>(&shape))
     return cylinder(s->radius, 2 * (s->half_height + 0.6 * s->radius));
   Vec3 half = Vec3::Constant(contact::bounding_radius(shape) / std::sqrt(3.0));
@@ -186,9 +187,9 @@ MeshRecipe mesh_recipe(const contact::Shape& shape) {
 
 void add_bodies(ModelBaker& baker, const Scene& scene, const SceneSurface& surface) {
   for (std::size_t k = 0; k < scene.balls.size(); ++k) {
-    const BallScene& ball = scene.balls[k];
+    const BallSettings& ball = scene.balls[k];
     sound::SoundBody body;
-    body.id = BodyId(k + 1);
+    body.id = Scene::ball_id(k);
     body.radius_of_curvature = ball.radius;
     const std::string name = scene.balls.size() == 1 ? "ball" : fmt::format("ball {}", k + 1);
     baker.add(
@@ -196,9 +197,9 @@ void add_bodies(ModelBaker& baker, const Scene& scene, const SceneSurface& surfa
         ball.material);
   }
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
-    const BodyScene& from = scene.bodies[k];
+    const BodySettings& from = scene.bodies[k];
     sound::SoundBody body;
-    body.id = BodyId(scene.balls.size() + k + 1);
+    body.id = scene.body_id(k);
     body.is_fixed = from.body.motion != dynamics::Motion::free;
     body.rest_pose = from.body.pose;
     if (k < surface.reliefs.size() && scene.surface.representation != Representation::flat)
@@ -220,8 +221,8 @@ Result<Voices> bake_voices(const Scene& scene, const SceneSurface& surface, cons
   add_bodies(baker, scene, surface);
   if (scene.pen) {
     sound::SoundBody body;
-    body.id = BodyId(scene.balls.size() + scene.bodies.size() + 1);
-    body.radius_of_curvature = 0.001;  // radius of the tip, not of the shaft
+    body.id = scene.pen_id();
+    body.radius_of_curvature = 0.001;  // of the tip, not of the shaft
     baker.add(
         body, "pen", fmt::format("pen {} {}", scene.pen->radius, scene.pen->length),
         [&] { return sound::cylinder(scene.pen->radius, scene.pen->length, 1, 16); }, scene.pen->material);
@@ -311,4 +312,4 @@ void VoiceBaker::work(State& state) {
   }
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::scene

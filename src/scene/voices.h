@@ -21,9 +21,9 @@
 #include "scene/surfaces.h"
 #include "sound/synthesizer.h"
 
-namespace intaglio::session {
+namespace intaglio::scene {
 
-// A sounding body and its modes, for reports.
+// Summary of a sounding body's model, for reports.
 struct Voice {
   BodyId body = 0;
   std::string name;  // "floor", "ball 1", "pen"
@@ -54,7 +54,6 @@ sound::SynthesizerOptions synthesizer_options(const Scene& scene);
 // time), without blocking the caller. A superseded request finishes the model under way, which goes to the
 // cache, and is dropped. The destructor abandons the model under way and joins the thread, which takes some
 // tenths of a second. One thread calls (the window's).
-
 class VoiceBaker {
  public:
   VoiceBaker();
@@ -62,9 +61,9 @@ class VoiceBaker {
   VoiceBaker(const VoiceBaker&) = delete;
   VoiceBaker& operator=(const VoiceBaker&) = delete;
 
-  // Requests voices, replacing an earlier request. Returns a ticket for take().
+  // Replaces any earlier request. The ticket is for take().
   std::uint64_t request(const Scene& scene, const SceneSurface& surface, const std::filesystem::path& cache);
-  // The result of that request, once, when it is ready.
+  // The voices, once, when they are ready.
   std::optional<Result<Voices>> take(std::uint64_t ticket);
   // A request is waiting or being worked on.
   bool is_busy() const;
@@ -77,4 +76,4 @@ class VoiceBaker {
   std::thread thread_;
 };
 
-}  // namespace intaglio::session
+}  // namespace intaglio::scene

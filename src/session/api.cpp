@@ -20,8 +20,8 @@ FrameState frame_of(const session::Snapshot& from) {
   return frame;
 }
 
-Result<std::unique_ptr<render::Renderer>> renderer_of(const session::Scene& scene,
-                                                      const session::SceneSurface& surface) {
+Result<std::unique_ptr<render::Renderer>> renderer_of(const scene::Scene& scene,
+                                                      const scene::SceneSurface& surface) {
   render::RendererOptions options;
   options.width = scene.video.width;
   options.height = scene.video.height;
@@ -30,7 +30,7 @@ Result<std::unique_ptr<render::Renderer>> renderer_of(const session::Scene& scen
   options.roughness = surface.roughness;
   auto renderer = render::Renderer::create(*surface.surface, options);
   if (!renderer) return renderer;
-  if (auto shown = (*renderer)->show(session::surface_parts(scene, surface)); !shown)
+  if (auto shown = (*renderer)->show(scene::surface_parts(scene, surface)); !shown)
     return tl::unexpected(shown.error());
   return renderer;
 }
@@ -38,8 +38,8 @@ Result<std::unique_ptr<render::Renderer>> renderer_of(const session::Scene& scen
 }  // namespace
 
 Result<Recording> simulate(const Scene& scene, const SimulateOptions& options) {
-  const session::Scene& from = scene.impl().scene;
-  auto surface = session::make_surface(from);
+  const scene::Scene& from = scene.impl().scene;
+  auto surface = scene::make_surface(from);
   if (!surface) return tl::unexpected(surface.error());
   auto simulation = session::Simulation::create(from, *surface);
   if (!simulation) return tl::unexpected(simulation.error());
@@ -111,12 +111,12 @@ Result<void> Recording::save_events(const std::filesystem::path& csv) const {
 
 Result<void> Recording::save_video(const std::filesystem::path& mp4,
                                    const std::function<void(double done)>& progress) const {
-  const session::Scene& scene = impl_->scene.impl().scene;
+  const scene::Scene& scene = impl_->scene.impl().scene;
   auto renderer = renderer_of(scene, impl_->surface);
   if (!renderer) return tl::unexpected(renderer.error());
   auto video = session::VideoWriter::create(mp4, scene.video.width, scene.video.height, scene.video.fps);
   if (!video) return tl::unexpected(video.error());
-  const session::ScenePicture picture(scene, impl_->surface);
+  const scene::ScenePicture picture(scene, impl_->surface);
   const std::size_t balls = scene.balls.size();
   for (std::size_t k = 0; k < impl_->frames.size(); ++k) {
     const FrameState& frame = impl_->frames[k];

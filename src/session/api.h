@@ -11,7 +11,7 @@ namespace intaglio {
 
 struct Recording::Impl {
   Scene scene;
-  session::SceneSurface surface;
+  scene::SceneSurface surface;
   session::Recording recording;
   std::vector<FrameState> frames;
 };

@@ -1,5 +1,17 @@
-// What a live session is told and what it shows: plain values that cross between the window's thread and the
-// physics thread in latest-value slots (core/latest.h). World frame, SI.
+// A scene that runs in real time: physics, touch and sound, each in a thread of its own.
+//
+//   window ─ Controls ▶ physics thread ─ LiveState ▶ window        by Latest slots
+//                        │  ▲
+//        SceneSnapshot   ▼  │ ServoReport        ContactEvents ▶ LiveSound ▶ the audio device's thread
+//                     servo thread
+//
+// Physics takes whole steps by the steady clock; when the machine does not keep up, steps are left out and
+// counted. Sound starts when its models are there, from a cache or from a baking thread; until then it is
+// silent. The touch loop keeps running while the scene is paused.
+//
+// create() takes some tenths of a second; call it in a thread of its own to keep a window responsive. All
+// other members: one thread, the window's. Values between threads cross in latest-value slots
+// (core/lock_free.h). World frame, SI.
 #pragma once
 
 #include <array>
@@ -15,31 +27,25 @@
 
 #include "core/lock_free.h"
 #include "haptics/device.h"
-#include "haptics/pen.h"
-#include "haptics/proxy.h"
 #include "haptics/servo_loop.h"
 #include "intaglio/event.h"
 #include "scene/voices.h"
-#include "scene/world.h"
+#include "session/scene_loop.h"
 #include "sound/audio_device.h"
 #include "sound/live_sound.h"
 
 namespace intaglio::session {
 
-inline constexpr std::size_t most_live_bodies = 256, most_marks = 64;
+inline constexpr std::size_t max_live_bodies = 256, max_marks = 64;
 
-struct Controls {
+struct Controls : StepInput {
   bool paused = false;
-  double speed = 1;             // simulated seconds a second, 0.01..1
-  std::uint64_t single = 0;     // steps asked for since the start, while paused
-  std::uint64_t resets = 0;     // asked for since the start
-  unsigned keys = 0;            // left_key, right_key of world.h
-  BodyId dragged = floor_body;  // the floor: none
-  Vec3 grip = Vec3::Zero();     // where it is held, in the body's frame
-  Vec3 pull_to = Vec3::Zero();  // m, where that point is wanted
+  double speed = 1;                // simulated seconds a second, 0.01..1
+  std::uint64_t single_steps = 0;  // steps to take while paused, counted since the start
+  std::uint64_t resets = 0;        // counted since the start
 };
 
-// One contact of one step, to be drawn until it fades.
+// One contact of one step, drawn until it fades.
 struct ContactMark {
   double time = 0;
   BodyId body = 0, other = floor_body;
@@ -49,29 +55,28 @@ struct ContactMark {
 };
 
 struct LiveState {
-  double time = 0;          // s, simulated
-  std::uint64_t steps = 0;  // physics steps
-  std::uint64_t late = 0;   // steps left out because the machine did not keep up
-  double step_seconds = 0;  // CPU time of a step, smoothed
-  std::size_t bodies = 0;   // balls, then the scene's other bodies
-  std::array<Pose, most_live_bodies> pose;
-  std::uint64_t marks = 0;  // since the start; the newest is at (marks - 1) % most_marks
-  std::array<ContactMark, most_marks> mark;
+  double time = 0;                  // s, simulated
+  std::uint64_t steps = 0;          // physics steps
+  std::uint64_t dropped_steps = 0;  // steps left out because the machine could not keep up
+  double step_seconds = 0;          // CPU time of a step, smoothed
+  std::size_t bodies = 0;           // balls, then the scene's other bodies
+  std::array<Pose, max_live_bodies> pose;
+  std::uint64_t mark_count = 0;  // since the start; the newest is at (mark_count - 1) % max_marks
+  std::array<ContactMark, max_marks> marks;
   haptics::ServoReport pen;
 };
 
-// A haptic device that a mouse leads: a PHANToM Desktop in a simulated hand whose wish is where the mouse
-// points. The force that a hand would feel holds this one back, so that the pen stays on the relief.
+// A haptic device led by the mouse: a PHANToM Desktop in a simulated hand that pulls towards where the mouse
+// points. The force holds the hand back, so that the pen stays on the relief.
 //
-// lead() from one thread, read() and write() from the servo thread; neither waits. Real-time.
-
+// set_target() from one thread, read() and write() from the servo thread; none of them waits. Real-time.
 class MouseDevice : public haptics::Device {
  public:
   // `start` in the device's workspace, metres.
   MouseDevice(const haptics::DeviceModel& model, const haptics::Hand& hand, const Vec3& start);
 
-  // Where the hand wants the tip from now on, device workspace. It goes there at `speed` m/s at most.
-  void lead(const Vec3& target) { target_.publish(target); }
+  // Where the hand pulls the tip, device workspace; it moves there at `speed` m/s at most.
+  void set_target(const Vec3& target) { target_.publish(target); }
 
   Vec3 read() override;
   void write(const haptics::GuardedForce& force) override { force_ = force.newtons(); }
@@ -86,143 +91,101 @@ class MouseDevice : public haptics::Device {
   Vec3 wanted_, position_, velocity_ = Vec3::Zero(), force_ = Vec3::Zero();
 };
 
-// Between an audio device and what it plays: the source may be changed while the device runs, and what is
-// played can be looked at (a scope) and kept (a recording).
+// Sits between an audio device and its source: the source can be changed while the device runs, and the
+// played samples can be shown (a scope) and kept (a recording).
 //
-// play() from one thread, render() from the device's, take() from one. render() neither allocates nor waits;
-// play() waits until no render() uses the old source any more.
-
+// set_source() and drain() from one thread each, render() from the device's. render() neither allocates nor
+// waits; set_source() waits until no render() uses the old source.
 class AudioTap : public sound::AudioSource {
  public:
-  void play(sound::AudioSource* source);
+  void set_source(sound::AudioSource* source);
   void render(std::span<float> stereo) noexcept override;
 
-  // What was played since the last call, left and right by turns; what nobody takes in two seconds is lost.
-  void take(std::vector<float>& stereo);
-  std::uint64_t lost() const { return lost_.load(std::memory_order_relaxed); }
+  // Appends what was played since the last call, interleaved; samples older than two seconds are lost.
+  void drain(std::vector<float>& stereo);
 
  private:
   std::atomic<sound::AudioSource*> source_{nullptr};
   std::atomic<bool> busy_{false};
   SpscQueue<float> played_{2 * 2 * 48'000};
-  std::atomic<std::uint64_t> lost_{0};
 };
 
-// Several textured slabs as one thing to touch: the pen meets whichever it is deepest in.
-//
-// The depth is the greatest of the slabs' depths: continuous, so that an energy made of it is one too; its
-// gradient is that of the deepest. A slab costs 0.1 us. Real-time; any thread.
-
-class UnionSolid : public haptics::Solid {
- public:
-  void add(std::unique_ptr<haptics::Solid> part) { parts_.push_back(std::move(part)); }
-
-  haptics::Penetration at(const Vec3& p) const override {
-    haptics::Penetration deepest{-1e9, -Vec3::UnitY()};
-    for (const auto& part : parts_)
-      if (const haptics::Penetration here = part->at(p); here.depth > deepest.depth) deepest = here;
-    return deepest;
-  }
-
- private:
-  std::vector<std::unique_ptr<haptics::Solid>> parts_;
-};
-
-// A scene that is alive: physics, touch and sound each in a thread of its own, in real time.
-//
-//   window ─ Controls ▶ physics thread ─ LiveState ▶ window        by core/latest slots
-//                        │  ▲
-//        SceneSnapshot   ▼  │ ServoReport        ContactEvents ▶ LiveSound ▶ the audio device's thread
-//                     servo thread
-//
-// Physics takes whole steps by the steady clock; when the machine does not keep up it leaves steps out and
-// counts them. Sound begins when its models are there: they come from a cache, or are baked by a thread of
-// their own, and meanwhile it is silent. The touch loop goes on while the scene is paused, as a hand would.
-//
-// create() takes what making the surfaces took, some tenths of a second; call it in a thread of its own to
-// keep a window alive. All other members: one thread, the window's.
-
-struct LiveOptions {
-  // Which senses take the texture; the others take the bare rectangle.
+struct LiveSessionOptions {
+  // Which senses take the texture; the others take the bare surface.
   bool moves = true, feels = true, hears = true;
   std::filesystem::path model_cache;  // empty: none
   int sample_rate = 44'100;           // of the audio device
   double gain_db = 0;
 };
 
-// The scene's pen, or one that fits its floor.
-PenScene pen_for(const Scene& scene);
+// The scene's pen, or one sized to its floor.
+scene::PenSettings pen_for(const scene::Scene& scene);
 
 class LiveSession {
  public:
-  // `surface` is make_surface(scene)'s, so that an unchanged texture need not be made again. `device` is the
-  // pen's; none: a MouseDevice. It outlives the session.
-  static Result<std::unique_ptr<LiveSession>> create(const Scene& scene, const SceneSurface& surface,
-                                                     const LiveOptions& options,
+  // `surface` is make_surface(scene)'s; a caller keeps it, so that an unchanged texture is not built again.
+  // `device` is the pen's and outlives the session; null: a MouseDevice.
+  static Result<std::unique_ptr<LiveSession>> create(const scene::Scene& scene,
+                                                     const scene::SceneSurface& surface,
+                                                     const LiveSessionOptions& options,
                                                      haptics::Device* device = nullptr);
   ~LiveSession();
 
-  // Bodies go on where `other`, a stopped session of the same scene, had them.
-  void follow(const LiveSession& other) { world_.follow(other.world_); }
-  // Resets and single steps that `other`, a stopped session, has done are not asked of this one.
-  void count_from(const LiveSession& other) {
+  // Bodies continue where `other`, a stopped session of the same scene, had them.
+  void follow(const LiveSession& other) { loop_.world().follow(other.loop_.world()); }
+  // Resets and single steps that `other`, a stopped session, has done are not repeated.
+  void continue_counters(const LiveSession& other) {
     singles_done_ = other.singles_done_;
     resets_done_ = other.resets_done_;
   }
-  // `tap` is what the audio device plays, `baker` makes what rings; null: no sound.
-  void start(AudioTap* tap, VoiceBaker* baker);
+  // `tap` is what the audio device plays, `baker` makes the modal models; null: no sound.
+  void start(AudioTap* tap, scene::VoiceBaker* baker);
   void stop();
 
-  // Once a picture: what is wanted of physics from now on.
-  void control(const Controls& controls);
+  // Once per picture: the input of physics from now on.
+  void set_controls(const Controls& controls);
   // The newest state. Valid until the next call.
   const LiveState& state() { return state_.fetch(); }
 
-  // Where the mouse wants the pen's tip, world; nothing happens with another device.
-  void lead_pen(const Vec3& tip);
+  // Where the mouse pulls the pen's tip, world; ignored with another device.
+  void set_pen_target(const Vec3& tip);
   void set_listener(const sound::Listener& listener);
   void set_gain_db(double gain_db);
 
-  const Scene& scene() const { return scene_; }
-  const SceneSurface& surface() const { return surface_; }
-  const LiveOptions& options() const { return options_; }
-  bool is_free(BodyId id) const { return world_.is_free(id); }
-  BodyId pen_id() const { return world_.pen(); }
+  const scene::Scene& scene() const { return scene_; }
+  const scene::SceneSurface& surface() const { return surface_; }
+  const LiveSessionOptions& options() const { return options_; }
+  bool is_free(BodyId id) const { return loop_.world().is_free(id); }
   haptics::ServoLoop& servo() { return *servo_; }
-  // Of physics: how late a step was begun.
+  // How late physics steps began.
   const haptics::LatencyHistogram& lateness() const { return lateness_; }
   std::optional<sound::LiveSoundStatus> sound_status();
   bool has_sound() const { return sound_.load() != nullptr; }
-  // What went wrong with the sound, once; empty when nothing did.
+  // The error of the sound, once; empty when there is none.
   std::string take_message();
 
  private:
-  LiveSession(const Scene& scene, const SceneSurface& surface, const LiveOptions& options,
-              haptics::Device* device);
+  LiveSession(const scene::Scene& scene, const scene::SceneSurface& surface,
+              const LiveSessionOptions& options, haptics::Device* device);
 
-  void begin_sound(Result<Voices> voices);
-  Scene heard() const;
+  void begin_sound(Result<scene::Voices> voices);
+  scene::Scene heard() const;
   void run();
   void step(const Controls& controls);
-  void drag(const Controls& controls);
-  void exchange_with_pen();
-  void tell_sound();
-  ContactEvent pen_event();
+  void exchange_with_pen(double speed);
+  void emit(const ContactEvent& event);
   void publish();
 
-  Scene scene_;
-  SceneSurface surface_;
-  LiveOptions options_;
-  SceneWorld world_;
+  scene::Scene scene_;
+  scene::SceneSurface surface_;
+  LiveSessionOptions options_;
+  SceneLoop loop_;
   std::unique_ptr<MouseDevice> mouse_;
   std::unique_ptr<haptics::ServoLoop> servo_;
   haptics::ServoReport report_;  // the physics thread's newest
-  std::vector<Vec3> pushed_;
-  Vec3 pen_before_ = Vec3::Zero();
-  bool pen_touching_ = false;
 
   AudioTap* tap_ = nullptr;
-  VoiceBaker* baker_ = nullptr;
+  scene::VoiceBaker* baker_ = nullptr;
   std::uint64_t ticket_ = 0;
   std::unique_ptr<sound::LiveSound> owned_sound_;
   std::atomic<sound::LiveSound*> sound_{nullptr};

@@ -2,11 +2,11 @@
 
 #include <sys/resource.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
-#include <fmt/format.h>
 
 #include "haptics/haptic_log.h"
 
@@ -15,7 +15,7 @@ namespace intaglio::session {
 std::int64_t cpu_ns(clockid_t clock) {
   timespec t{};
   clock_gettime(clock, &t);
-  return static_cast<std::int64_t>(t.tv_sec) * 1'000'000'000 + t.tv_nsec;
+  return std::int64_t(t.tv_sec) * 1'000'000'000 + t.tv_nsec;
 }
 
 std::int64_t thread_cpu_ns() {
@@ -28,21 +28,20 @@ std::int64_t process_cpu_ns() {
 std::size_t peak_memory_bytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+  return std::size_t(usage.ru_maxrss) * 1024;
 }
 
-SenseCost CostMeter::summary(SenseCost cost) const {
+SenseCost CostMeter::summarise(SenseCost cost) const {
   cost.steps = ns_.size();
   if (ns_.empty()) return cost;
   std::vector<std::int64_t> sorted = ns_;
   std::sort(sorted.begin(), sorted.end());
   const auto quantile = [&](double q) {
-    return static_cast<double>(sorted[static_cast<std::size_t>(q * static_cast<double>(sorted.size() - 1))]) *
-           1e-3;
+    return double(sorted[std::size_t(q * double(sorted.size() - 1))]) * 1e-3;
   };
   cost.median_us = quantile(0.5);
   cost.p99_us = quantile(0.99);
-  cost.total_s = static_cast<double>(std::accumulate(ns_.begin(), ns_.end(), std::int64_t{0})) * 1e-9;
+  cost.total_s = double(std::accumulate(ns_.begin(), ns_.end(), std::int64_t{0})) * 1e-9;
   return cost;
 }
 
@@ -52,7 +51,7 @@ std::string columns(const Vec3& v) {
   return fmt::format("{},{},{}", v.x(), v.y(), v.z());
 }
 
-// Empty where there is no number.
+// Empty for NaN.
 std::string column(double x) {
   return std::isfinite(x) ? fmt::format("{}", x) : "";
 }
@@ -66,9 +65,9 @@ std::string events_csv(const Recording& recording) {
       "N_s,impulse_y_N_s,impulse_z_N_s,other,spin_x_m_s,spin_y_m_s,spin_z_m_s,duration_s,touch_age_s\n";
   for (const ContactEvent& e : recording.events) {
     out += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", e.time, e.body,
-                       phases[static_cast<std::size_t>(e.phase)], columns(e.point), e.uv.x(), e.uv.y(),
-                       columns(e.n_g), columns(e.n_s), columns(e.v_t), columns(e.impulse), e.other,
-                       columns(e.spin), e.duration, column(e.touch_age));
+                       phases[std::size_t(e.phase)], columns(e.point), e.uv.x(), e.uv.y(), columns(e.n_g),
+                       columns(e.n_s), columns(e.v_t), columns(e.impulse), e.other, columns(e.spin),
+                       e.duration, column(e.touch_age));
   }
   return out;
 }

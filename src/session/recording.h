@@ -1,4 +1,4 @@
-// What a session leaves behind: everything that the report draws and the logs hold. SI units.
+// The result of a session: everything that the report draws and the logs hold. SI units.
 #pragma once
 
 #include <time.h>
@@ -20,7 +20,7 @@ namespace intaglio::session {
 struct BallTrack {
   BodyId body = 0;
   double radius = 0;           // m
-  std::vector<Vec3> position;  // m, one a physics step, the first at time 1 / physics_rate
+  std::vector<Vec3> position;  // m, one per physics step, the first at time 1 / physics_rate
 };
 
 struct KeyFrame {
@@ -28,11 +28,11 @@ struct KeyFrame {
   Image8 image;     // RGB, row 0 = top
 };
 
-// What one sense cost. Thread-CPU time.
+// The cost of one sense, thread-CPU time.
 struct SenseCost {
   std::string sense;        // "dynamics", "haptics", "sound", "picture"
-  std::string step;         // what a step is: "1/480 s step", "64-sample block", "640x360 frame"
-  double step_seconds = 0;  // simulated time a step stands for
+  std::string step;         // "1/480 s step", "64-sample block", "640x360 frame"
+  double step_seconds = 0;  // simulated time per step
   std::size_t steps = 0;
   double median_us = 0;
   double p99_us = 0;
@@ -46,18 +46,18 @@ struct Recording {
   Representation representation = Representation::relief;
   std::shared_ptr<const surface::Surface> surface;
   std::string texture;             // as the scene names it
-  std::vector<std::string> notes;  // what import found and assumed of the texture, a line each
+  std::vector<std::string> notes;  // import notes, one per line
 
-  std::vector<std::string> warnings;  // what the scene asks of a device that it cannot do, a line each
+  std::vector<std::string> warnings;  // what the scene asks of a device beyond its abilities, one per line
 
   std::vector<BallTrack> balls;
-  std::vector<haptics::ServoSample> servo;  // one a tick, the first at time 0; empty without a pen
+  std::vector<haptics::ServoSample> servo;  // one per tick, the first at time 0; empty without a pen
   BodyId pen = 0;                           // 0: no pen
   std::vector<ContactEvent> events;         // in order of time
   std::vector<float> stereo;                // -1..1, interleaved, at the camera
   std::vector<float> audio;                 // the mean of both sides
   std::vector<KeyFrame> key_frames;
-  std::vector<Voice> voices;
+  std::vector<scene::Voice> voices;
 
   std::vector<SenseCost> costs;
   double bake_s = 0;             // CPU time of the modal analysis
@@ -69,20 +69,18 @@ struct Recording {
   std::uint64_t audio_hash = 0;
 };
 
-// How long steps take, in CPU time of the calling thread: immune to whatever else the machine does.
-
-// CPU time by a POSIX clock (pthread_getcpuclockid), of the calling thread, or of the whole process, in
-// nanoseconds.
+// CPU time in nanoseconds: of a POSIX clock (pthread_getcpuclockid), the calling thread, the process.
 std::int64_t cpu_ns(clockid_t clock);
 std::int64_t thread_cpu_ns();
 std::int64_t process_cpu_ns();
 // Largest resident size of the process so far, bytes.
 std::size_t peak_memory_bytes();
 
-// Collects the cost of one sense's steps. Not thread-safe: one meter a thread.
+// Collects the cost of one sense's steps, in CPU time, so that other load does not count. One meter per
+// thread.
 class CostMeter {
  public:
-  // Runs step() and notes what it cost.
+  // Runs step() and records its cost.
   template <class Step>
   void measure(Step&& step) {
     const std::int64_t start = thread_cpu_ns();
@@ -92,15 +90,13 @@ class CostMeter {
   void add(std::int64_t ns) { ns_.push_back(ns); }
 
   // Fills steps, median, p99 and total of `cost`.
-  SenseCost summary(SenseCost cost) const;
+  SenseCost summarise(SenseCost cost) const;
 
  private:
   std::vector<std::int64_t> ns_;
 };
 
-// Event and servo logs as CSV: one header line, SI units in the column names, every digit that tells two
-// doubles apart.
-
+// Event and servo logs as CSV: one header line, SI units in the column names, numbers with all their digits.
 std::string events_csv(const Recording& recording);
 std::string servo_csv(const Recording& recording);
 

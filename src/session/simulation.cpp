@@ -1,8 +1,8 @@
 #include "session/simulation.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 
 #include "core/clock.h"
 #include "haptics/passivity.h"
@@ -15,56 +15,35 @@ namespace {
 
 constexpr std::size_t block_size = 64;
 
-// What the scene's pen cannot display without the hand's help, if anything.
-std::optional<std::string> stability_of(const PenScene& pen) {
+// Warns of a spring that the pen's device cannot display stably.
+std::optional<std::string> pen_stability_warning(const scene::PenSettings& pen) {
   const haptics::DeviceDynamics device{pen.hand.damping, 0.02, pen.device.resolution, pen.device.rate};
   return haptics::stability_warning(device, pen.spring.stiffness, pen.spring.damping);
 }
 
-std::vector<haptics::Waypoint> device_path(const PenScene& pen) {
+std::vector<haptics::Waypoint> device_path(const scene::PenSettings& pen) {
   std::vector<haptics::Waypoint> path = pen.path;
   for (haptics::Waypoint& waypoint : path) waypoint.position = pen.workspace.to_device(waypoint.position);
   return path;
 }
 
-int servo_rate(const Scene& scene) {
-  return scene.pen ? static_cast<int>(scene.pen->device.rate) : 1;
+int servo_rate(const scene::Scene& scene) {
+  return scene.pen ? int(scene.pen->device.rate) : 1;
 }
 
 }  // namespace
 
-sound::Listener listener_of(const CameraScene& camera) {
+sound::Listener listener_of(const scene::CameraSettings& camera) {
   const Vec3 right = (camera.target - camera.eye).cross(Vec3::UnitY());
   return {camera.eye, right.norm() > 0 ? Vec3(right.normalized()) : Vec3(Vec3::UnitX())};
 }
 
-haptics::ServoOptions pen_options(const Scene& scene, const Material& floor) {
-  const PenScene& pen = *scene.pen;
-  haptics::ServoOptions options;
-  options.representation = scene.surface.representation;
-  options.method = pen.method;
-  options.spring = pen.spring;
-  options.friction = std::sqrt(pen.material.friction * floor.friction);
-  options.passivity = pen.method == haptics::HapticMethod::potential;
-  options.limits = pen.limits;
-  options.workspace = pen.workspace;
-  options.pen.length = pen.length;
-  options.pen.radius = pen.radius;
-  options.pen.tip_radius = pen.tip_radius.value_or(0.001 * pen.workspace.scale);
-  options.spring.stiffness = haptics::felt_stiffness(floor, options.pen.tip_radius, pen.spring.stiffness);
-  options.pen.grip = 0.4 * pen.length;
-  options.pen.direction = pen.direction;
-  options.thickness = scene.surface.thickness;
-  options.rate = pen.device.rate;
-  return options;
-}
-
-Simulation::Simulation(const Scene& scene, const SceneSurface& surface)
+Simulation::Simulation(const scene::Scene& scene, const scene::SceneSurface& surface)
     : scene_(scene),
-      surface_(surface.surface),
       scene_surface_(surface),
       clock_({scene.physics.rate, servo_rate(scene), scene.sound.sample_rate, scene.video.fps}),
-      world_(scene, surface, scene.surface.representation),
+      loop_(scene, surface, scene.surface.representation, scene.surface.representation,
+            [this](const ContactEvent& event) { record(event); }),
       block_(2 * block_size) {
   recording_.title = scene.title;
   recording_.duration = scene.duration;
@@ -73,20 +52,20 @@ Simulation::Simulation(const Scene& scene, const SceneSurface& surface)
   recording_.sample_rate = scene.sound.sample_rate;
   recording_.fps = scene.video.fps;
   recording_.representation = scene.surface.representation;
-  recording_.surface = surface_;
+  recording_.surface = surface.surface;
   recording_.texture = scene.surface.texture;
   for (std::size_t k = 0; k < scene.balls.size(); ++k)
-    recording_.balls.push_back({world_.ball(k), scene.balls[k].radius, {}});
+    recording_.balls.push_back({loop_.world().ball(k), scene.balls[k].radius, {}});
   if (scene.pen) {
     device_.emplace(scene.pen->device, scene.pen->hand, device_path(*scene.pen));
-    servo_.emplace(surface_, pen_options(scene, surface.material));
-    if (const auto warning = stability_of(*scene.pen)) recording_.warnings.push_back(*warning);
-    recording_.pen = world_.pen();
-    pushed_.assign(std::min(scene.balls.size(), haptics::max_balls), Vec3::Zero());
+    servo_.emplace(loop_.pen()->make_servo());
+    if (const auto warning = pen_stability_warning(*scene.pen)) recording_.warnings.push_back(*warning);
+    recording_.pen = loop_.world().pen();
   }
 }
 
-Result<std::unique_ptr<Simulation>> Simulation::create(const Scene& scene, const SceneSurface& surface) {
+Result<std::unique_ptr<Simulation>> Simulation::create(const scene::Scene& scene,
+                                                       const scene::SceneSurface& surface) {
   std::unique_ptr<Simulation> simulation(new Simulation(scene, surface));
   if (auto baked = simulation->bake(); !baked) return tl::unexpected(baked.error());
   return simulation;
@@ -94,22 +73,22 @@ Result<std::unique_ptr<Simulation>> Simulation::create(const Scene& scene, const
 
 Result<void> Simulation::bake() {
   const std::int64_t start = process_cpu_ns();
-  auto voices = bake_voices(scene_, scene_surface_);
+  auto voices = scene::bake_voices(scene_, scene_surface_);
   if (!voices) return tl::unexpected(voices.error());
   recording_.voices = std::move(voices->voices);
-  synthesizer_ = std::make_unique<sound::Synthesizer>(synthesizer_options(scene_), std::move(voices->bodies));
+  synthesizer_ =
+      std::make_unique<sound::Synthesizer>(scene::synthesizer_options(scene_), std::move(voices->bodies));
   synthesizer_->set_listener(listener_of(scene_.camera));
-  recording_.bake_s = static_cast<double>(process_cpu_ns() - start) * 1e-9;
+  recording_.bake_s = double(process_cpu_ns() - start) * 1e-9;
   return {};
 }
 
 void Simulation::run_until(Ticks end) {
-  // What is heard in a block is known up to one and a half physics steps after it was due: wait for that
-  // long.
+  // A contact is heard in mid-step and may be dated up to a step back (touch_age), so an event reported at
+  // t_n concerns times from t_n - 1.5 dt on: a block may only be rendered that much later.
   const Ticks patience = 2 * clock_.due(1, scene_.physics.rate);
   const auto block_due = [&] {
-    return clock_.due(static_cast<std::int64_t>(block_size) * (blocks_done_ + 1), scene_.sound.sample_rate) +
-           patience;
+    return clock_.due(std::int64_t(block_size) * (blocks_done_ + 1), scene_.sound.sample_rate) + patience;
   };
   while (true) {
     const Ticks physics = clock_.due(physics_done_ + 1, scene_.physics.rate);
@@ -132,36 +111,35 @@ Snapshot Simulation::advance_to_frame(std::int64_t index) {
   run_until(clock_.due(index, scene_.video.fps));
   Snapshot snapshot;
   snapshot.time = clock_.seconds(clock_.due(index, scene_.video.fps));
-  for (const BallTrack& ball : recording_.balls)
-    snapshot.balls.push_back(world_.world().drawn_pose(ball.body));
-  for (std::size_t k = 0; k < scene_.bodies.size(); ++k)
-    snapshot.bodies.push_back(world_.world().drawn_pose(world_.body(k)));
+  const scene::SceneWorld& world = loop_.world();
+  for (std::size_t k = 0; k < world.count(); ++k)
+    (k < scene_.balls.size() ? snapshot.balls : snapshot.bodies).push_back(world.pose(k));
   if (!recording_.servo.empty()) snapshot.pen_tip = recording_.servo.back().proxy;
   return snapshot;
 }
 
 void Simulation::finish() {
   run_until(clock_.due(clock_.steps(scene_.duration, scene_.physics.rate), scene_.physics.rate));
-  const auto wanted = static_cast<std::size_t>(clock_.steps(scene_.duration, scene_.sound.sample_rate));
+  const auto samples = std::size_t(clock_.steps(scene_.duration, scene_.sound.sample_rate));
   std::vector<float>& stereo = recording_.stereo;
-  while (stereo.size() < 2 * wanted) step_sound();
-  stereo.resize(2 * wanted);
+  while (stereo.size() < 2 * samples) step_sound();
+  stereo.resize(2 * samples);
   sound::to_full_scale(stereo, stereo, {scene_.sound.gain_db});
-  for (std::size_t k = 0; k < wanted; ++k)
+  for (std::size_t k = 0; k < samples; ++k)
     recording_.audio.push_back(0.5f * (stereo[2 * k] + stereo[2 * k + 1]));
   Hash audio;
   audio.add(std::span<const float>(stereo));
   recording_.audio_hash = audio.value();
   recording_.event_hash = event_hash_.value();
-  recording_.momentum_residual = world_.world().momentum_residual();
-  recording_.surface_bytes = surface_->memory_bytes();
+  recording_.momentum_residual = loop_.world().world().momentum_residual();
+  recording_.surface_bytes = scene_surface_.surface->memory_bytes();
   recording_.costs = {
-      physics_cost_.summary(
+      physics_cost_.summarise(
           {"dynamics", fmt::format("1/{} s step", scene_.physics.rate), 1.0 / scene_.physics.rate}),
-      servo_cost_.summary(
+      servo_cost_.summarise(
           {"haptics", fmt::format("1/{} s tick", recording_.servo_rate), 1.0 / recording_.servo_rate}),
-      sound_cost_.summary({"sound", fmt::format("{}-sample block", block_size),
-                           static_cast<double>(block_size) / scene_.sound.sample_rate}),
+      sound_cost_.summarise({"sound", fmt::format("{}-sample block", block_size),
+                             double(block_size) / scene_.sound.sample_rate}),
   };
 }
 
@@ -171,7 +149,7 @@ void Simulation::record(const ContactEvent& event) {
   event_hash_.add(event.time);
   event_hash_.add(std::isnan(event.touch_age) ? -1 : event.touch_age);
   event_hash_.add(event.body);
-  event_hash_.add(static_cast<std::uint8_t>(event.phase));
+  event_hash_.add(std::uint8_t(event.phase));
   event_hash_.add(event.other);
   event_hash_.add(event.texture);
   const Vec2 none = Vec2::Zero();
@@ -186,37 +164,17 @@ void Simulation::record(const ContactEvent& event) {
 }
 
 void Simulation::step_physics() {
-  if (servo_) {
-    // What the pen has pushed since the last step.
-    for (std::size_t k = 0; k < pushed_.size(); ++k) {
-      const Vec3& sum = servo_->report().ball_impulse[k];
-      if (sum != pushed_[k]) world_.world().push(recording_.balls[k].body, sum - pushed_[k]);
-      pushed_[k] = sum;
-    }
-  }
-  physics_cost_.measure([&] { world_.step(); });
+  physics_cost_.measure([&] { loop_.step(servo_ ? &servo_->report() : nullptr); });
   ++physics_done_;
-  for (const ContactEvent& event : world_.world().events()) record(event);
-  for (BallTrack& ball : recording_.balls)
-    ball.position.push_back(world_.world().drawn_pose(ball.body).position);
-}
-
-haptics::SceneSnapshot Simulation::scene_snapshot() const {
-  haptics::SceneSnapshot scene;
-  scene.time = world_.world().time();
-  scene.ball_count = pushed_.size();
-  for (std::size_t k = 0; k < pushed_.size(); ++k) {
-    const BallTrack& ball = recording_.balls[k];
-    scene.balls[k] = {world_.world().pose(ball.body).position, world_.world().velocity(ball.body),
-                      ball.radius};
-  }
-  return scene;
+  loop_.emit_contacts();
+  for (std::size_t k = 0; k < recording_.balls.size(); ++k)
+    recording_.balls[k].position.push_back(loop_.world().pose(k).position);
 }
 
 void Simulation::step_servo() {
   haptics::ServoSample sample;
-  haptics::SceneSnapshot scene = scene_snapshot();
-  const double time = static_cast<double>(servo_done_) / recording_.servo_rate;
+  haptics::SceneSnapshot scene = loop_.snapshot();
+  const double time = double(servo_done_) / recording_.servo_rate;
   // Physics may be slower than the guard's patience with live scenes: here the scene never stalls.
   for (haptics::SceneBall& ball : scene.balls) ball.position += (time - scene.time) * ball.velocity;
   scene.time = time;
@@ -224,39 +182,22 @@ void Simulation::step_servo() {
   device_->advance(1.0 / recording_.servo_rate);
   ++servo_done_;
   recording_.servo.push_back(sample);
-  if (sample.touching || pen_touching_)
-    record(pen_event(sample, static_cast<double>(servo_done_) / recording_.servo_rate));
-  pen_touching_ = sample.touching;
-}
-
-Pose Simulation::pen_pose(const Vec3& tip) const {
-  const Vec3 up = scene_.pen->direction.normalized();
-  return {tip + 0.5 * scene_.pen->length * up, rotation_onto(Vec3::UnitY(), up)};
-}
-
-ContactEvent Simulation::pen_event(const haptics::ServoSample& sample, double time) const {
-  const Vec3 n_g = surface_->placement().n();
-  ContactEvent event;
-  event.time = time;
-  event.body = recording_.pen;
-  event.phase = !sample.touching ? ContactPhase::end
-                : pen_touching_  ? ContactPhase::persist
-                                 : ContactPhase::begin;
-  event.point = sample.proxy;
-  event.uv = sample.uv;
-  event.n_g = n_g;
-  event.n_s = sample.n_s;
-  event.v_t = sample.velocity - sample.velocity.dot(n_g) * n_g;
-  event.duration = 1.0 / recording_.servo_rate;
-  event.impulse = sample.force * event.duration;
-  event.body_pose = pen_pose(sample.proxy);
-  return event;
+  loop_.emit_pen(servo_->report(), double(servo_done_) / recording_.servo_rate, 1.0 / recording_.servo_rate);
 }
 
 void Simulation::step_sound() {
   sound_cost_.measure([&] { synthesizer_->render_stereo(block_); });
   ++blocks_done_;
   recording_.stereo.insert(recording_.stereo.end(), block_.begin(), block_.end());
+}
+
+Result<Recording> play(const scene::Scene& scene) {
+  const auto surface = scene::make_surface(scene);
+  if (!surface) return tl::unexpected(surface.error());
+  auto simulation = Simulation::create(scene, *surface);
+  if (!simulation) return tl::unexpected(simulation.error());
+  (*simulation)->finish();
+  return std::move((*simulation)->recording());
 }
 
 }  // namespace intaglio::session

@@ -1,7 +1,7 @@
-// The multi-rate loop: physics, haptics and sound of a scene, advanced in one clock.
+// Offline simulation: physics, haptics and sound of a scene, advanced in one integer clock.
 //
-// Loops run in the order in which their steps are due (core/clock.h); at the same tick physics goes before
-// haptics, haptics before sound. A block of sound is made when every contact that can be heard in it has
+// Steps run in the order in which they are due (Clock, core/event.h); at the same tick physics goes before
+// haptics, haptics before sound. A block of sound is rendered once every contact that can be heard in it has
 // happened. One thread; deterministic.
 #pragma once
 
@@ -16,17 +16,15 @@
 #include "scene/voices.h"
 #include "scene/world.h"
 #include "session/recording.h"
+#include "session/scene_loop.h"
 #include "sound/synthesizer.h"
 
 namespace intaglio::session {
 
-// Ears where the camera is.
-sound::Listener listener_of(const CameraScene& camera);
+// Ears at the camera.
+sound::Listener listener_of(const scene::CameraSettings& camera);
 
-// How the scene's pen is felt on a floor of that material. The scene has a pen.
-haptics::ServoOptions pen_options(const Scene& scene, const Material& floor);
-
-// Where everything is, for one picture.
+// All poses, for one picture.
 struct Snapshot {
   double time = 0;
   std::vector<Pose> balls, bodies;
@@ -36,44 +34,42 @@ struct Snapshot {
 class Simulation {
  public:
   // Bakes the modal models (seconds).
-  static Result<std::unique_ptr<Simulation>> create(const Scene& scene, const SceneSurface& surface);
+  static Result<std::unique_ptr<Simulation>> create(const scene::Scene& scene,
+                                                    const scene::SceneSurface& surface);
 
-  // Runs everything that is due before or at frame `index`, and shows where things are then.
+  // Runs everything due up to and including frame `index`, and returns the poses at that time.
   Snapshot advance_to_frame(std::int64_t index);
-  // Runs to the end of the scene; then recording() is complete but for pictures, their cost and wall time.
+  // Runs to the end of the scene; then recording() is complete except for pictures, their cost and wall time.
   void finish();
 
   Recording& recording() { return recording_; }
 
  private:
-  Simulation(const Scene& scene, const SceneSurface& surface);
+  Simulation(const scene::Scene& scene, const scene::SceneSurface& surface);
 
   Result<void> bake();
   void run_until(Ticks end);
   void step_physics();
   void step_servo();
-  haptics::SceneSnapshot scene_snapshot() const;
   void step_sound();
   void record(const ContactEvent& event);
-  Pose pen_pose(const Vec3& tip) const;
-  ContactEvent pen_event(const haptics::ServoSample& sample, double time) const;
 
-  Scene scene_;
-  std::shared_ptr<const surface::Surface> surface_;
-  SceneSurface scene_surface_;
+  scene::Scene scene_;
+  scene::SceneSurface scene_surface_;
   Clock clock_;
-  SceneWorld world_;
+  SceneLoop loop_;
   std::optional<haptics::SimulatedDevice> device_;
   std::optional<haptics::PenServo> servo_;
   std::unique_ptr<sound::Synthesizer> synthesizer_;
   std::vector<float> block_;
 
   std::int64_t physics_done_ = 0, servo_done_ = 0, blocks_done_ = 0;
-  std::vector<Vec3> pushed_;  // N s, by the pen on each ball, already handed to the world
-  bool pen_touching_ = false;
   CostMeter physics_cost_, servo_cost_, sound_cost_;
   Hash event_hash_;
   Recording recording_;
 };
+
+// Simulates a scene without rendering. Seconds, mostly modal analysis.
+Result<Recording> play(const scene::Scene& scene);
 
 }  // namespace intaglio::session

@@ -37,7 +37,7 @@ Result<std::unique_ptr<VideoWriter>> VideoWriter::create(const fs::path& target,
   std::unique_ptr<VideoWriter> writer(new VideoWriter);
   writer->ffmpeg_ = *ffmpeg;
   writer->target_ = target;
-  for (fs::path* const file : {&writer->silent_, &writer->joined_}) {
+  for (fs::path* const file : {&writer->video_only_, &writer->muxed_}) {
     auto temporary = create_temporary(target);
     if (!temporary) return tl::unexpected(temporary.error());
     *file = std::move(*temporary);
@@ -46,7 +46,7 @@ Result<std::unique_ptr<VideoWriter>> VideoWriter::create(const fs::path& target,
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
     return fail(target.string(), std::string("no socket to the encoder: ") + std::strerror(errno));
-  writer->pipe_ = ends[1];
+  writer->socket_ = ends[1];
   SpawnOptions options;
   options.input = ends[0];
   auto process = Process::start(writer->ffmpeg_,
@@ -74,7 +74,7 @@ Result<std::unique_ptr<VideoWriter>> VideoWriter::create(const fs::path& target,
                                  "1",
                                  "-pix_fmt",
                                  "yuv420p",
-                                 writer->silent_.string()},
+                                 writer->video_only_.string()},
                                 options);
   close(ends[0]);
   if (!process) return tl::unexpected(process.error());
@@ -83,17 +83,17 @@ Result<std::unique_ptr<VideoWriter>> VideoWriter::create(const fs::path& target,
 }
 
 VideoWriter::~VideoWriter() {
-  if (pipe_ >= 0) close(pipe_);
+  if (socket_ >= 0) close(socket_);
   encoder_.reset();  // before its file is removed
   std::error_code ignored;
-  fs::remove(silent_, ignored);
-  fs::remove(joined_, ignored);
+  fs::remove(video_only_, ignored);
+  fs::remove(muxed_, ignored);
 }
 
 Result<void> VideoWriter::add(const Image8& frame) {
   std::size_t sent = 0;
   while (sent < frame.data.size()) {
-    const ssize_t n = send(pipe_, frame.data.data() + sent, frame.data.size() - sent, MSG_NOSIGNAL);
+    const ssize_t n = send(socket_, frame.data.data() + sent, frame.data.size() - sent, MSG_NOSIGNAL);
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) {
       const auto ended = encoder_->wait();
@@ -107,19 +107,19 @@ Result<void> VideoWriter::add(const Image8& frame) {
 }
 
 Result<void> VideoWriter::finish(const fs::path& wav) {
-  close(pipe_);
-  pipe_ = -1;
+  close(socket_);
+  socket_ = -1;
   if (auto encoded = encoder_->wait(); !encoded)
     return fail(target_.string(), "the video encoder failed: " + encoded.error().message(),
                 "is the disk full?");
   auto joining = Process::start(
-      ffmpeg_, {"-v", "error", "-y", "-i", silent_.string(), "-i", wav.string(), "-c:v", "copy", "-c:a",
-                "aac", "-b:a", "192k", "-movflags", "+faststart", joined_.string()});
+      ffmpeg_, {"-v", "error", "-y", "-i", video_only_.string(), "-i", wav.string(), "-c:v", "copy", "-c:a",
+                "aac", "-b:a", "192k", "-movflags", "+faststart", muxed_.string()});
   if (!joining) return tl::unexpected(joining.error());
   if (auto joined = joining->wait(); !joined)
-    return fail(target_.string(), "joining picture and sound failed: " + joined.error().message());
+    return fail(target_.string(), "muxing picture and sound failed: " + joined.error().message());
   std::error_code error;
-  fs::rename(joined_, target_, error);
+  fs::rename(muxed_, target_, error);
   if (error) return fail(target_.string(), "cannot be replaced: " + error.message());
   return {};
 }

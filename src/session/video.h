@@ -1,8 +1,8 @@
-// Frames and sound into an MP4 (H.264 and AAC), by ffmpeg through a pipe.
+// Encodes frames and sound into an MP4 (H.264 and AAC), by ffmpeg through a socket.
 //
-// Two passes, so that frames are encoded while the sound is still being made: frames go into a silent
-// temporary, finish() joins it with the sound. Temporaries go away whatever happens; the target appears whole
-// or not at all. One thread at a time.
+// Two passes, so that frames are encoded while the sound is still being made: frames go into a temporary
+// video without sound, which finish() muxes with the sound. Temporaries are always removed; the target
+// appears whole or not at all. One thread at a time.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@
 
 namespace intaglio::session {
 
-// The ffmpeg program on PATH, or an error that says how to get it.
+// The ffmpeg program on PATH, or an error that says how to install it.
 Result<std::filesystem::path> find_ffmpeg();
 
 class VideoWriter {
@@ -28,14 +28,14 @@ class VideoWriter {
   VideoWriter& operator=(const VideoWriter&) = delete;
 
   Result<void> add(const Image8& frame);
-  // Joins the frames with the sound of a WAV file and puts the MP4 in place.
+  // Muxes the frames with the sound of a WAV file and moves the MP4 into place.
   Result<void> finish(const std::filesystem::path& wav);
 
  private:
   VideoWriter() = default;
 
-  std::filesystem::path ffmpeg_, target_, silent_, joined_;
-  int pipe_ = -1;
+  std::filesystem::path ffmpeg_, target_, video_only_, muxed_;
+  int socket_ = -1;
   std::optional<Process> encoder_;
 };
 

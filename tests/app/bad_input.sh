@@ -55,7 +55,7 @@ expect "NaN on the command line" 'nan: not a finite number' render "$scene" --du
 expect "NaN in a list" 'nan,0,0: not a finite number' "$intaglio" -q sound strike "$work/any.modes" --at=nan,0,0
 expect "a mass no body has" 'dense\.toml:2: .*kg/m3' render "$work/dense.toml"
 expect "a ball too far" 'far\.toml:2: .*10000' render "$work/far.toml"
-expect "a camera without direction" 'camera\.toml:2: .*two places' render "$work/camera.toml"
+expect "a camera without direction" 'camera\.toml:2: .*different points' render "$work/camera.toml"
 expect "negative mass" 'mass\.toml:3: .*greater than 0' render "$work/mass.toml"
 expect "unknown key" 'key\.toml:2: .*did you mean "depth"' render "$work/key.toml"
 expect "unwritable output" 'cannot' "$intaglio" -q render "$scene" -o "$work/empty.png/under/x.mp4"
@@ -133,7 +133,7 @@ expect "a mallet that is no file" 'none\.toml: no such file' strike "$work/box.m
 expect "a mesh for a texture" 'cuboid\.obj: byte 0: no PNG' "$intaglio" -q sound drop "$work/cuboid.obj" -o "$wav"
 expect "a scene for a recipe" 'brick\.toml:[0-9]+: unknown key' "$intaglio" -q sound roll "$scene" -o "$wav"
 expect "a page of a texture that is not there" 'nosuch' "$intaglio" -q sound page -o "$work/out" brick nosuch
-expect "a page of one texture twice" 'brick: would have the same files as brick' "$intaglio" -q sound page -o "$work/out" brick brick
+expect "a page of one texture twice" 'brick: gives the same output files as brick' "$intaglio" -q sound page -o "$work/out" brick brick
 expect "a page below a file" 'cannot create its folder' "$intaglio" -q sound page -o "$work/cuboid.obj" brick
 expect "an unknown verb" 'intaglio: unknown command "rnder"; did you mean "render"' "$intaglio" rnder x
 expect "an unknown verb of sound" 'intaglio sound: unknown command "strik"; did you mean "strike"' "$intaglio" sound strik x

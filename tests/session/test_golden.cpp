@@ -1,6 +1,6 @@
-// Every scene's first picture beside the one that was looked at and kept (tests/session/golden), as an eye
-// would compare them: by the mean colours of blocks of 5 x 5 pixels. INTAGLIO_KEEP_GOLDEN=1 keeps the
-// pictures of this run.
+// Compares every scene's first picture with the kept one (tests/session/golden), which somebody has checked
+// by eye: by the mean colours of blocks of 5 x 5 pixels. INTAGLIO_KEEP_GOLDEN=1 keeps the pictures of this
+// run.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -9,13 +9,14 @@
 #include <filesystem>
 
 #include "core/file.h"
+#include "intaglio/representation.h"
 #include "render/egl_context.h"
 #include "scene/picture.h"
 #include "surface/image/image_file.h"
 #include "tests/skipped.h"
 #include "tests/source_folder.h"
 
-namespace intaglio::session {
+namespace intaglio::scene {
 
 namespace {
 
@@ -31,17 +32,17 @@ Image8 first_picture(const Scene& scene, const SceneSurface& surface) {
   const auto parts = surface_parts(scene, surface);
   REQUIRE((*renderer)->show(parts).has_value());
   std::vector<Pose> balls, bodies;
-  for (const BallScene& ball : scene.balls) balls.push_back({ball.position, Quat::Identity()});
-  for (const BodyScene& body : scene.bodies) bodies.push_back(body.body.pose);
+  for (const BallSettings& ball : scene.balls) balls.push_back({ball.position, Quat::Identity()});
+  for (const BodySettings& body : scene.bodies) bodies.push_back(body.body.pose);
   return (*renderer)->draw(ScenePicture(scene, surface).frame(balls, bodies, std::nullopt));
 }
 
-// Of blocks, 0..255.
+// Between blocks, 0..255.
 struct Difference {
   double mean = 0, worst = 0;
   bool is_seen() const { return mean > 0.8 || worst > 30; }
-  // llvmpipe draws to the bit what it drew, but for rounding where a processor has other instructions: 0.0013
-  // and 0.04 were seen. More is a change of the picture, to be looked at and kept.
+  // llvmpipe reproduces its pictures to the bit, except for rounding on processors with other instructions:
+  // 0.0013 and 0.04 were observed. More is a changed picture, to be checked by eye and kept.
   bool is_other_drawing() const { return mean > 0.02 || worst > 0.5; }
 };
 
@@ -74,7 +75,7 @@ Image8 kept(const std::filesystem::path& file) {
   return out;
 }
 
-// The same scene with its floor's texture taken the wrong way.
+// The same scene with its floor's texture read the wrong way.
 enum class Wrong { rows, green, polarity };
 SceneSurface taken_wrong(const SceneSurface& right, Wrong wrong) {
   const surface::Surface& from = *right.surface;
@@ -104,7 +105,7 @@ bool have_gl() {
   return context.has_value();
 }
 
-// The driver that the kept pictures were drawn by; others filter textures in ways of their own.
+// The driver that drew the kept pictures; others filter textures differently.
 bool is_llvmpipe() {
   const auto context = render::EglContext::create();
   if (!context) return false;
@@ -114,7 +115,7 @@ bool is_llvmpipe() {
 
 }  // namespace
 
-TEST_CASE("each scene looks as it did when somebody looked") {
+TEST_CASE("each scene's first picture matches the kept one") {
   if (!have_gl()) return;
   const bool same_driver = is_llvmpipe();
   int scenes = 0;
@@ -138,7 +139,7 @@ TEST_CASE("each scene looks as it did when somebody looked") {
   CHECK(scenes >= 9);
 }
 
-TEST_CASE("rows, green or depth the wrong way are seen") {
+TEST_CASE("flipped rows, green or depth change the picture visibly") {
   if (!have_gl()) return;
   const auto scene = read_scene(std::string(tests::source_folder) + "/scenes/rolling.toml");
   REQUIRE(scene);
@@ -152,4 +153,4 @@ TEST_CASE("rows, green or depth the wrong way are seen") {
   }
 }
 
-}  // namespace intaglio::session
+}  // namespace intaglio::scene

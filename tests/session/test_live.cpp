@@ -1,4 +1,4 @@
-// The live session: what its threads do together. Times are generous: machines may be busy.
+// The live session with all its threads. Times are generous: machines may be busy.
 #include <doctest/doctest.h>
 
 #include <chrono>
@@ -11,6 +11,7 @@
 #include "sound/audio/devices.h"
 
 using namespace intaglio;
+using namespace intaglio::scene;
 using namespace intaglio::session;
 
 namespace {
@@ -47,20 +48,20 @@ const std::string drop =
 TEST_CASE("a live ball falls and rests; paused it stays, steps one by one, and starts again when reset") {
   const auto session = live(parsed(drop));
   session->start(nullptr, nullptr);
-  CHECK(wait_for(*session, [](const LiveState& s) { return s.time > 1.5 && s.marks > 0; }));
+  CHECK(wait_for(*session, [](const LiveState& s) { return s.time > 1.5 && s.mark_count > 0; }));
   CHECK(session->state().pose[0].position.y() == doctest::Approx(0.05).epsilon(0.05));
   Controls controls;
   controls.paused = true;
-  session->control(controls);
+  session->set_controls(controls);
   std::this_thread::sleep_for(std::chrono::milliseconds(60));
   const std::uint64_t steps = session->state().steps;
   std::this_thread::sleep_for(std::chrono::milliseconds(60));
   CHECK(session->state().steps == steps);
-  controls.single = 3;
-  session->control(controls);
+  controls.single_steps = 3;
+  session->set_controls(controls);
   CHECK(wait_for(*session, [&](const LiveState& s) { return s.steps == steps + 3; }));
   controls.resets = 1;
-  session->control(controls);
+  session->set_controls(controls);
   CHECK(wait_for(*session, [](const LiveState& s) { return s.pose[0].position.y() > 0.39; }));
   session->stop();
 }
@@ -72,7 +73,7 @@ TEST_CASE("a dragged ball hangs where it is pulled to, and a session that follow
   Controls controls;
   controls.dragged = 1;
   controls.pull_to = {-0.1, 0.3, 0.2};
-  session->control(controls);
+  session->set_controls(controls);
   CHECK(wait_for(*session, [&](const LiveState& s) {
     // Its weight stretches the spring by g / omega^2.
     return s.time > 0.5 && (s.pose[0].position - controls.pull_to).norm() < 0.03;
@@ -84,22 +85,22 @@ TEST_CASE("a dragged ball hangs where it is pulled to, and a session that follow
   next->start(nullptr, nullptr);
   controls = {};
   controls.paused = true;
-  next->control(controls);
+  next->set_controls(controls);
   CHECK(wait_for(*next, [&](const LiveState& s) { return (s.pose[0].position - was).norm() < 0.1; }));
 }
 
-TEST_CASE("what one session has done, resets and single steps, the next does not do again") {
+TEST_CASE("a session that follows does not repeat the resets and single steps of the one before") {
   const Scene scene = parsed(drop);
   const auto session = live(scene);
   session->start(nullptr, nullptr);
   CHECK(wait_for(*session, [](const LiveState& s) { return s.pose[0].position.y() < 0.3; }));
   Controls controls;
   controls.paused = true;
-  session->control(controls);
+  session->set_controls(controls);
   std::this_thread::sleep_for(std::chrono::milliseconds(60));
   controls.resets = 1;
-  controls.single = 40;
-  session->control(controls);
+  controls.single_steps = 40;
+  session->set_controls(controls);
   CHECK(wait_for(*session, [](const LiveState& s) { return s.pose[0].position.y() > 0.35; }));
   const std::uint64_t steps = session->state().steps;
   CHECK(wait_for(*session, [&](const LiveState& s) { return s.steps >= steps; }));
@@ -108,13 +109,13 @@ TEST_CASE("what one session has done, resets and single steps, the next does not
   CHECK(was.y() < 0.4);
   const auto next = live(scene);
   next->follow(*session);
-  next->count_from(*session);
-  next->control(controls);  // the counters are the window's, and go on
+  next->continue_counters(*session);
+  next->set_controls(controls);  // the counters are the window's, and go on
   next->start(nullptr, nullptr);
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
   CHECK(next->state().steps == 0);
-  controls.single = 41;
-  next->control(controls);
+  controls.single_steps = 41;
+  next->set_controls(controls);
   CHECK(wait_for(*next, [](const LiveState& s) { return s.steps == 1; }));
   CHECK((next->state().pose[0].position - was).norm() < 0.02);
 }
@@ -122,15 +123,15 @@ TEST_CASE("what one session has done, resets and single steps, the next does not
 TEST_CASE("the mouse's pen comes down, touches, pushes back, and lets go") {
   const auto session = live(parsed("[surface]\nrepresentation = \"flat\"\n"));
   session->start(nullptr, nullptr);
-  session->lead_pen({0.1, -0.02, 0.1});
+  session->set_pen_target({0.1, -0.02, 0.1});
   CHECK(wait_for(*session, [](const LiveState& s) { return s.pen.touching && s.pen.force.y() > 0.05; }));
   CHECK(session->state().pen.proxy.y() >
         -0.01);  // it does not follow the tip to -0.02, even where ticks come late
-  session->lead_pen({0.1, 0.1, 0.1});
+  session->set_pen_target({0.1, 0.1, 0.1});
   CHECK(wait_for(*session, [](const LiveState& s) { return !s.pen.touching && s.pen.tip.y() > 0.05; }));
 }
 
-TEST_CASE("sound starts when its models are made, and a blow is heard") {
+TEST_CASE("sound starts when its models are ready, and an impact is heard") {
   const Scene scene = parsed(drop + "[sound]\nmodes = 4\n");
   VoiceBaker baker;
   AudioTap tap;
@@ -144,9 +145,9 @@ TEST_CASE("sound starts when its models are made, and a blow is heard") {
     std::vector<float> played;
     for (int k = 0; k < 24'000 && !heard; ++k) {  // two minutes: bakes are slow under sanitizers
       if (session->has_sound() && controls.resets == 0) controls.resets = 1;
-      session->control(controls);
+      session->set_controls(controls);
       played.clear();
-      tap.take(played);
+      tap.drain(played);
       for (const float sample : played) heard = heard || std::abs(sample) > 1e-4f;
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
@@ -156,7 +157,7 @@ TEST_CASE("sound starts when its models are made, and a blow is heard") {
   device.stop();
 }
 
-TEST_CASE("every letter is a compound of boxes within its size; others are none") {
+TEST_CASE("every letter is a compound of boxes within its size; other text has no shape") {
   for (const char c : std::string("ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789")) {
     const auto shape = letter_shape(std::string(1, c), {0.10, 0.02, 0.14});
     REQUIRE(shape);

@@ -44,7 +44,7 @@ std::vector<std::map<std::string, std::string>> rows_of(const std::string& csv) 
 
 }  // namespace
 
-TEST_CASE("the event log tells all of a contact, to the bit; what is not a number is empty") {
+TEST_CASE("the event log holds every field of a contact to the bit; NaN is an empty column") {
   Recording recording;
   ContactEvent first;
   first.time = 0.1 + 0.2;

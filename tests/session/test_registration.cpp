@@ -11,6 +11,7 @@
 #include "session/simulation.h"
 
 using namespace intaglio;
+using namespace intaglio::scene;
 using namespace intaglio::session;
 
 namespace {

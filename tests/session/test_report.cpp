@@ -11,11 +11,12 @@
 #include "report/agreement.h"
 #include "report/contacts.h"
 #include "report/html.h"
-#include "report/tracks.h"
 #include "surface/import.h"
 #include "surface/recipes/builtin.h"
 
 using namespace intaglio;
+using namespace intaglio::scene;
+using namespace intaglio::report;
 using namespace intaglio::session;
 
 namespace {
@@ -36,7 +37,7 @@ Recording session_of(double seconds) {
   r.surface = brick_surface();
   r.pen = 2;
   r.voices = {{0, "floor", "brick", {500, 3000}, {0.05, 0.1}}, {1, "ball 1", "glass", {7000}, {0.05}}};
-  r.audio.assign(static_cast<std::size_t>(seconds * r.sample_rate), 0.0f);
+  r.audio.assign(std::size_t(seconds * r.sample_rate), 0.0f);
   r.balls.push_back({1, 0.05, {}});
   for (int k = 1; k <= seconds * r.physics_rate; ++k) {
     r.balls[0].position.push_back(Vec3(0.1, 0.05 + std::abs(std::sin(k * 0.01)), 0.1));
@@ -47,10 +48,10 @@ Recording session_of(double seconds) {
     event.body = 1;
     event.impulse = Vec3(0, 0.1, 0);
     r.events.push_back(event);
-    const auto start = static_cast<std::size_t>(time * r.sample_rate);
+    const auto start = std::size_t(time * r.sample_rate);
     for (std::size_t k = 0; start + k < r.audio.size() && k < 8000; ++k) {
-      const double t = static_cast<double>(k) / r.sample_rate;
-      r.audio[start + k] += static_cast<float>(0.5 * std::exp(-t * 69) * std::sin(2 * M_PI * 3000 * t));
+      const double t = double(k) / r.sample_rate;
+      r.audio[start + k] += float(0.5 * std::exp(-t * 69) * std::sin(2 * M_PI * 3000 * t));
     }
   }
   for (int k = 0; k < seconds * r.servo_rate; ++k) {
@@ -125,7 +126,7 @@ std::string nesting_fault(const std::string& html) {
       open.pop_back();
     } else if (tag.back() != '/' && empty.count(name) == 0) {
       open.push_back(name);
-      // What is inside is no markup.
+      // Its content is not markup.
       if (name == "style" || name == "script") at = html.find("</" + name, at);
     }
   }
@@ -140,7 +141,7 @@ std::size_t count_of(const std::string& text, const std::string& part) {
 
 }  // namespace
 
-TEST_CASE("a report is well-formed, whole and finite, whatever was recorded") {
+TEST_CASE("a report is well-formed, complete and finite for any recording") {
   const std::vector<std::uint8_t> video = {0, 1, 2, 3};
   for (const Recording& recording : {Recording{}, session_of(2), broken_session()}) {
     const std::string html = without_data(report_html(recording, video));
@@ -152,9 +153,7 @@ TEST_CASE("a report is well-formed, whole and finite, whatever was recorded") {
     const bool odd = std::regex_search(
         html, found, std::regex("(^|[^a-zA-Z])-?(nan|inf)([^a-zA-Z]|$)", std::regex::icase));
     CHECK_MESSAGE(
-        !odd,
-        (odd ? html.substr(static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, found.position() - 80)), 160)
-             : ""));
+        !odd, (odd ? html.substr(std::size_t(std::max<std::ptrdiff_t>(0, found.position() - 80)), 160) : ""));
     CHECK(count_of(html, "<img ") == count_of(html, "alt=\""));
     CHECK(count_of(html, "<svg ") == count_of(html, "aria-label=\"") - count_of(html, "<video "));
     CHECK(count_of(html, "<table>") == count_of(html, "<caption>"));
@@ -179,7 +178,7 @@ TEST_CASE("text from outside is escaped") {
 
 TEST_CASE("one instant is one vertical line through all tracks") {
   const Recording recording = session_of(2);
-  const std::vector<Impact> impacts = strongest(impacts_of(recording), 40, 0.03);
+  const std::vector<Impact> impacts = strongest(find_impacts(recording), 40, 0.03);
   CHECK(impacts.size() == 4);
   const std::regex line("<line class=\"impact [^\"]*\" x1=\"([0-9.]+)\"");
   const std::regex frame("class=\"frame\" x=\"76.00\" y=\"[0-9.]+\" width=\"900.00\"");
@@ -197,7 +196,7 @@ TEST_CASE("one instant is one vertical line through all tracks") {
 
 TEST_CASE("agreement is near perfect for a session that agrees, and chance for one that does not") {
   Recording recording = session_of(4);
-  const Agreement good = agreement_of(recording);
+  const Agreement good = measure_agreement(recording);
   CHECK(good.onsets == 8);
   CHECK(good.onsets_at_touch == 1);
   CHECK(good.touches == 8);
@@ -210,7 +209,7 @@ TEST_CASE("agreement is near perfect for a session that agrees, and chance for o
 
   for (ContactEvent& event : recording.events) event.time += 0.2;
   recording.voices[0].frequencies = {730, 5000};
-  const Agreement bad = agreement_of(recording);
+  const Agreement bad = measure_agreement(recording);
   CHECK(bad.onsets_at_touch == 0);
   CHECK(bad.touches_heard == 0);
   CHECK(bad.idle_energy > 0.5);
@@ -218,7 +217,7 @@ TEST_CASE("agreement is near perfect for a session that agrees, and chance for o
 }
 
 TEST_CASE(
-    "a touch is what is new in a contact, when it came; a faint one and one that a louder masks need no sound") {
+    "a touch is the increase of a contact's impulse, at its time; faint and masked touches need no sound") {
   Recording recording;
   recording.duration = 2;
   const auto add = [&](int k, double impulse, ContactPhase phase, double touch_age = std::nan("")) {
@@ -234,27 +233,27 @@ TEST_CASE(
   add(10, 0.1, ContactPhase::begin, 0.0015);  // lands
   for (int k = 11; k < 300; ++k)              // slides, and meets edges at 200 and 210
     add(k, k == 200 ? 0.08 : k == 210 ? 0.05 : k == 250 ? 0.001 : 0.0008, ContactPhase::persist);
-  const std::vector<Touch> touches = touches_of(recording);
+  const std::vector<AudibleTouch> touches = find_touches(recording);
   REQUIRE(touches.size() == 3);
   CHECK(touches[0].time == doctest::Approx(0.0185));
   CHECK(touches[1].time == doctest::Approx(0.399));
   CHECK(touches[1].impulse == doctest::Approx(0.0792));
   CHECK(touches[2].time == doctest::Approx(0.419));
-  const std::vector<Touch> clear = unmasked(touches);
+  const std::vector<AudibleTouch> clear = unmasked(touches);
   REQUIRE(clear.size() == 2);
   CHECK(clear[1].time == touches[1].time);
 }
 
-TEST_CASE("what cannot be told is not a number, and is written as a dash") {
-  const Agreement none = agreement_of(Recording{});
+TEST_CASE("measures that do not apply are NaN and print as a dash") {
+  const Agreement none = measure_agreement(Recording{});
   for (const double value : {none.onsets_at_touch, none.touches_heard, none.relief_correlation,
                              none.idle_energy, none.modal_energy, none.modal_contrast_db}) {
     CHECK(std::isnan(value));
   }
-  CHECK(number(std::nan(""), 2) == "–");
-  CHECK(number(-HUGE_VAL) == "–");
-  CHECK(number(-0.001, 1) == "0.0");
-  CHECK(number(-1.25, 1) == "−1.2");
+  CHECK(format_number(std::nan(""), 2) == "–");
+  CHECK(format_number(-HUGE_VAL) == "–");
+  CHECK(format_number(-0.001, 1) == "0.0");
+  CHECK(format_number(-1.25, 1) == "−1.2");
 }
 
 TEST_CASE("a curve keeps its peaks however many samples fall into one unit") {
@@ -267,17 +266,17 @@ TEST_CASE("a curve keeps its peaks however many samples fall into one unit") {
   CHECK(svg.size() < 4000);
 }
 
-TEST_CASE("the page stays small, also for noise") {
+TEST_CASE("the page stays small even for noise") {
   Recording recording = session_of(5);
   Random random(1);
-  for (float& sample : recording.audio) sample = static_cast<float>(0.3 * random.normal());
+  for (float& sample : recording.audio) sample = float(0.3 * random.normal());
   KeyFrame frame{0, Image8(1280, 720, 3)};
-  for (std::uint8_t& value : frame.image.data) value = static_cast<std::uint8_t>(random.next());
+  for (std::uint8_t& value : frame.image.data) value = std::uint8_t(random.next());
   recording.key_frames.assign(12, frame);
   CHECK(report_html(recording, {}).size() < 6'000'000);
 }
 
-TEST_CASE("base64 as in RFC 4648") {
+TEST_CASE("base64 follows RFC 4648") {
   const auto encoded = [](std::string_view text) {
     return data_uri("t/t", std::vector<std::uint8_t>(text.begin(), text.end()));
   };

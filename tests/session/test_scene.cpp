@@ -1,15 +1,15 @@
 #include <doctest/doctest.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <string>
-#include <fmt/format.h>
 
 #include "scene/scene.h"
 #include "scene/surfaces.h"
 #include "tests/source_folder.h"
 
 using namespace intaglio;
-using namespace intaglio::session;
+using namespace intaglio::scene;
 
 namespace {
 
@@ -47,7 +47,7 @@ TEST_CASE("an unknown key names its line and the nearest known key") {
   CHECK(has(error_of("[phisics]\nrate = 100\n"), "physics"));
 }
 
-TEST_CASE("values that make no sense are errors with line and what would be right") {
+TEST_CASE("invalid values are errors with their line and the fix") {
   const struct {
     const char* text;
     const char* line;
@@ -66,7 +66,7 @@ TEST_CASE("values that make no sense are errors with line and what would be righ
       {"[[ground]]\nbase = \"bowl\"\n", "s.toml:2", "table"},
       {"[[ground]]\nbase = { shape = \"cone\" }\n", "s.toml:2", "bowl"},
       {"[[ground]]\nbase = { radius = 0 }\n", "s.toml:2", "0.01"},
-      {"[[ground]]\nbase = { repeat = [1.5, 2] }\n", "s.toml:2", "whole"},
+      {"[[ground]]\nbase = { repeat = [1.5, 2] }\n", "s.toml:2", "integers"},
       {"[[ground]]\nbase = { shape = \"mesh\" }\n", "s.toml:2", "file"},
       {"[[body]]\nshape = \"cylinder\"\ntop = { texture = \"brick\" }\n", "s.toml:3", "no top"},
       {"[[body]]\nskin = { texture = \"brick\" }\n", "s.toml:2", "no skin"},
@@ -76,14 +76,14 @@ TEST_CASE("values that make no sense are errors with line and what would be righ
       {"[[ground]]\nbase = { shape = \"sphere\", height = 1 }\n", "s.toml:2", "radius, repeat"},
       {"[[ground]]\nbase = { shape = \"mesh\", file = \"a.obj\", radius = 1 }\n", "s.toml:2", "of a mesh"},
       {"[[ground]]\nsize = [1, 1]\nbase = {}\n", "s.toml:2", "size"},
-      {"[[ground]]\nrepresentation = \"flat\"\n", "s.toml:2", "floor's"},
+      {"[[ground]]\nrepresentation = \"flat\"\n", "s.toml:2", "set on the floor"},
       {"[[body]]\nradius = 0.1\n", "s.toml:2", "of a box"},
       {"[[body]]\nshape = \"cylinder\"\nletter = \"B\"\n", "s.toml:3", "radius, height"},
-      {"[[body]]\nsweep = 20\n", "s.toml:2", "not a flipper"},
+      {"[[body]]\nsweep = 20\n", "s.toml:2", "makes a flipper"},
       {"[[body]]\nkey = \"left\"\nvelocity = [1, 0, 0]\n", "s.toml:3", "flipper"},
       {"[[body]]\nmotion = \"fixed\"\nspin = [1, 0, 0]\n", "s.toml:3", "fixed"},
       {"[surface]\nthickness = 1e-9\n", "s.toml:2", "between 0.001 m and 10 m"},
-      {"seed = 1.5\n", "s.toml:1", "whole"},
+      {"seed = 1.5\n", "s.toml:1", "an integer"},
       {"[video]\nwidth = 641\n", "s.toml:2", "even"},
       {"[pen]\nlength = 0.1\n", "s.toml:1", "waypoint"},
       {"[pen]\npath = [[0, 0, 0, 0], [0, 0, 0, 0]]\n", "s.toml:2", "increase"},
@@ -108,7 +108,7 @@ TEST_CASE("values that make no sense are errors with line and what would be righ
   }
 }
 
-TEST_CASE("textures and bases that cannot be taken are errors of the scene's line, with file and reason") {
+TEST_CASE("unusable textures and bases are errors at the scene's line, with file and reason") {
   const std::string sheet = std::string(tests::source_folder) + "/tests/CMakeLists.txt";
   const struct {
     std::string text;
@@ -136,8 +136,7 @@ TEST_CASE("textures and bases that cannot be taken are errors of the scene's lin
   }
 }
 
-TEST_CASE(
-    "a texture so fine on its base that contact would not end is refused; a fine one is said to be slow") {
+TEST_CASE("a texture too fine for contact on its base is an error; a fine one gets a warning") {
   const auto made = [](int repeat, double depth) {
     const auto scene =
         parse_scene(fmt::format("[[ball]]\nradius = 0.045\n[[ground]]\ntexture = \"pebbles\"\ndepth = {}\n"
@@ -166,7 +165,7 @@ TEST_CASE(
   CHECK(covered_texels(*slow, 0.045) == 0);
 }
 
-TEST_CASE("another texture takes nothing over of what was said of the scene's own") {
+TEST_CASE("replacing a texture clears the settings of the old one") {
   auto scene = parse_scene("[surface]\ntexture = \"a.png\"\ngreen = \"-Y\"\ndepth = 0.1\n", "s.toml");
   REQUIRE(scene);
   put_texture(scene->surface, "none.png");
@@ -205,7 +204,7 @@ skin = { texture = "metal_studs", repeat = [2, 1] }
   REQUIRE_MESSAGE(scene, (scene ? "" : scene.error().message()));
   REQUIRE(scene->grounds.size() == 1);
   REQUIRE(scene->grounds[0].base);
-  CHECK(scene->grounds[0].base->shape == BaseScene::Shape::cylinder);
+  CHECK(scene->grounds[0].base->shape == BaseSettings::Shape::cylinder);
   CHECK(scene->grounds[0].base->repeat == Vec2(3, 2));
   REQUIRE(scene->bodies.size() == 3);
   REQUIRE(scene->bodies[0].reliefs.size() == 2);

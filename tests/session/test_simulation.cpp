@@ -7,6 +7,7 @@
 #include "session/simulation.h"
 
 using namespace intaglio;
+using namespace intaglio::scene;
 using namespace intaglio::session;
 
 namespace {
@@ -26,10 +27,10 @@ Recording run(const std::string& text) {
 
 double rms(const std::vector<float>& audio, double from, double to) {
   double sum = 0;
-  const auto a = static_cast<std::size_t>(from * 44100);
-  const auto b = std::min(audio.size(), static_cast<std::size_t>(to * 44100));
-  for (std::size_t k = a; k < b; ++k) sum += static_cast<double>(audio[k]) * static_cast<double>(audio[k]);
-  return std::sqrt(sum / static_cast<double>(b - a));
+  const auto a = std::size_t(from * 44100);
+  const auto b = std::min(audio.size(), std::size_t(to * 44100));
+  for (std::size_t k = a; k < b; ++k) sum += double(audio[k]) * double(audio[k]);
+  return std::sqrt(sum / double(b - a));
 }
 
 const std::string drop = "duration = 1.5\n[[ball]]\nradius = 0.04\nposition = [0.0, 0.2, 0.0]\n";
@@ -55,13 +56,13 @@ TEST_CASE("a dropped ball is silent until it lands, loud when it lands, and neve
   for (const float sample : recording.audio) CHECK(std::abs(sample) <= 1);
 }
 
-TEST_CASE("nothing that touches, nothing that sounds") {
+TEST_CASE("a scene without contacts is silent") {
   const Recording recording = run("duration = 0.5\n");
   CHECK(recording.events.empty());
   CHECK(std::all_of(recording.audio.begin(), recording.audio.end(), [](float s) { return s == 0; }));
 }
 
-TEST_CASE("every representation runs, and the senses get the same texture") {
+TEST_CASE("every representation runs, and all senses get the same texture") {
   for (const char* representation : {"flat", "normal", "relief"}) {
     const Recording recording =
         run("duration = 1.2\n[surface]\nrepresentation = \"" + std::string(representation) +
@@ -70,7 +71,7 @@ TEST_CASE("every representation runs, and the senses get the same texture") {
     CHECK(std::any_of(recording.servo.begin(), recording.servo.end(),
                       [](const auto& s) { return s.touching; }));
     for (const ContactEvent& event : recording.events) {
-      // What is felt is what the map says at that place.
+      // The normal that is felt is the map's at that place.
       const Vec3 map = recording.surface->world_normal(event.uv);
       if (event.phase != ContactPhase::end && recording.representation != Representation::flat)
         CHECK((event.n_s - map).norm() < 1e-9);
@@ -91,7 +92,7 @@ TEST_CASE("a pen that sweeps into a ball pushes it, feels it, and no momentum is
   CHECK(recording.momentum_residual < 1e-5);
 }
 
-TEST_CASE("the paper's plane can still be chosen for the pen") {
+TEST_CASE("the paper's plane can be chosen for the pen") {
   const std::string text =
       "duration = 1\n[pen]\npath = [[0, 0, 0.01, 0], [0.3, 0, -0.01, 0], [1, 0.05, -0.01, 0.02]]\n";
   const Recording ours = run(text), plane = run(text + "method = \"plane\"\n");

@@ -3,23 +3,35 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "core/portable_math.h"
+#include "report/svg_plot.h"
 
 using namespace intaglio;
-using namespace intaglio::session;
+using namespace intaglio::report;
 
 namespace {
 
 std::vector<float> tone(double hz, double sample_rate, std::size_t samples) {
   std::vector<float> audio(samples);
   for (std::size_t k = 0; k < samples; ++k) {
-    audio[k] =
-        static_cast<float>(0.5 * std::sin(2 * std::numbers::pi * hz * static_cast<double>(k) / sample_rate));
+    audio[k] = float(0.5 * std::sin(2 * std::numbers::pi * hz * double(k) / sample_rate));
   }
   return audio;
+}
+
+// WCAG relative luminance, 0..1.
+double luminance(const Rgb& colour) {
+  static constexpr std::array<double, 3> weight = {0.2126, 0.7152, 0.0722};
+  double sum = 0;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double s = colour[c] / 255.0;
+    sum += weight[c] * (s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
+  }
+  return sum;
 }
 
 }  // namespace
@@ -30,7 +42,7 @@ TEST_CASE("a pure tone peaks at its frequency, in every frame that is full of it
     for (int f = 4; f < s.frames - 4; ++f) {
       const auto frame = s.frame(f);
       const auto peak = std::max_element(frame.begin(), frame.end()) - frame.begin();
-      CHECK(std::abs(static_cast<double>(peak) * s.bin_hz() - hz) <= 0.5 * s.bin_hz() + 1e-9);
+      CHECK(std::abs(double(peak) * s.bin_hz() - hz) <= 0.5 * s.bin_hz() + 1e-9);
     }
   }
 }
@@ -39,21 +51,20 @@ TEST_CASE("Parseval: a spectrogram keeps the energy of its audio") {
   Random random(5);
   for (const std::size_t samples : {std::size_t{100}, std::size_t{2048}, std::size_t{30001}}) {
     std::vector<float> audio(samples);
-    for (float& sample : audio) sample = static_cast<float>(0.2 * random.normal());
+    for (float& sample : audio) sample = float(0.2 * random.normal());
     double energy = 0, kept = 0;
-    for (const float sample : audio) energy += static_cast<double>(sample) * static_cast<double>(sample);
+    for (const float sample : audio) energy += double(sample) * double(sample);
     const Spectrogram s = make_spectrogram(audio, 48000, 1024);
-    for (const float power : s.power) kept += static_cast<double>(power) * s.hop();
+    for (const float power : s.power) kept += double(power) * s.hop();
     CHECK(kept == doctest::Approx(energy).epsilon(1e-4));
   }
 }
 
-TEST_CASE("silence, and no sound at all, are the floor everywhere") {
+TEST_CASE("silence and an empty recording are at the floor everywhere") {
   SpectrogramView view;
   for (const std::size_t samples : {std::size_t{0}, std::size_t{44100}}) {
     const Spectrogram s = make_spectrogram(std::vector<float>(samples), 44100);
-    for (const float power : s.power)
-      CHECK(level_db(static_cast<double>(power), view.floor_db) == view.floor_db);
+    for (const float power : s.power) CHECK(level_db(double(power), view.floor_db) == view.floor_db);
     const Image8 image = spectrogram_image(s, view, 40, 30);
     const Rgb floor = magma(0);
     for (std::size_t k = 0; k < image.data.size(); ++k) CHECK(image.data[k] == floor[k % 3]);

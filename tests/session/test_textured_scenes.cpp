@@ -1,4 +1,4 @@
-// The scenes with curved ground and textured bodies do what they are there to show.
+// The scenes with curved grounds and textured bodies show what they are made for.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -12,7 +12,7 @@
 #include "tests/source_folder.h"
 
 using namespace intaglio;
-using namespace intaglio::session;
+using namespace intaglio::scene;
 
 namespace {
 
@@ -69,15 +69,15 @@ TEST_CASE("bowl: balls stay in it, also when it is smooth; the picture has the b
   for (const Representation representation : {Representation::relief, Representation::flat}) {
     Played played("bowl", representation);
     double farthest = 0;
-    int told = 0;
+    int contacts = 0;
     played.run(3, [&] {
       for (std::size_t k = 0; k < played.world->count(); ++k)
         farthest = std::max(farthest, (played.world->pose(k).position - Vec3(0, 0.375, 0)).norm());
       for (const ContactEvent& e : played.world->world().events())
-        told += e.other == first_surface_body ? 1 : 0;
+        contacts += e.other == first_surface_body ? 1 : 0;
     });
     CHECK(farthest < 0.36 + 0.01);
-    CHECK(told > 300);
+    CHECK(contacts > 300);
     const auto parts = surface_parts(played.scene, played.surface);
     REQUIRE(parts.size() == 2);
     CHECK(parts[0].base == nullptr);
@@ -87,24 +87,24 @@ TEST_CASE("bowl: balls stay in it, also when it is smooth; the picture has the b
 }
 
 TEST_CASE("the back of an open base has a rim, a closed base none") {
-  BaseScene base;
+  BaseSettings base;
   const auto bowl = make_base(base, {});
   REQUIRE(bowl);
   const auto& mesh = bowl->mesh();
   const render::Mesh back = back_mesh(mesh, 0.001, 0.02);
-  // Each base triangle, and two for each of the 64 edges of the rim.
+  // One per base triangle, and two per edge of the rim, which has 64.
   CHECK(back.indices.size() == 3 * (mesh.triangles.size() + 2 * 64));
-  base.shape = BaseScene::Shape::sphere;
+  base.shape = BaseSettings::Shape::sphere;
   const auto ball = make_base(base, {});
   REQUIRE(ball);
   CHECK(back_mesh(ball->mesh(), 0.001, 0.02).indices.empty());
-  // The mean over its area of its circles of latitude, and half a meridian.
+  // The mean length of its circles of latitude, weighted by area, and half a meridian.
   const Vec2 size = surface::texture_size(ball->mesh());
   CHECK(size.x() == doctest::Approx(0.5 * 3.14159265 * 3.14159265 * 0.3).epsilon(0.01));
   CHECK(size.y() == doctest::Approx(3.14159265 * 0.3).epsilon(0.01));
 }
 
-TEST_CASE("a textured body's texture that is too deep or is not there is said") {
+TEST_CASE("a body's texture that is too deep or missing is an error") {
   auto scene = parse_scene("[[body]]\nsize = [0.1, 0.02, 0.1]\ntop = { depth = 0.03 }\n", "s.toml");
   REQUIRE(scene);
   const auto deep = make_surface(*scene);

@@ -17,7 +17,7 @@
 #include "tests/temporary_folder.h"
 
 using namespace intaglio;
-using namespace intaglio::session;
+using namespace intaglio::scene;
 namespace fs = std::filesystem;
 
 namespace {
@@ -34,7 +34,7 @@ Scene small_scene() {
 
 }  // namespace
 
-TEST_CASE("shipped scenes sound at once: every model is beside them, and none that no scene needs") {
+TEST_CASE("every shipped scene finds its models beside it, and no model is unused") {
   std::set<std::string> used, there;
   for (const auto& entry : fs::directory_iterator(scenes)) {
     if (entry.path().extension() != ".toml") continue;
@@ -51,7 +51,7 @@ TEST_CASE("shipped scenes sound at once: every model is beside them, and none th
 }
 
 TEST_CASE(
-    "models are baked once, kept in the cache by what they are made from, and baked again when they are not that") {
+    "models are baked once, cached by their inputs, and baked again when a cached file does not match") {
   const Scene scene = small_scene();
   const SceneSurface surface = make_surface(scene).value();
   const tests::TemporaryFolder folder;
@@ -65,15 +65,15 @@ TEST_CASE(
   CHECK(second->models == first->models);
   for (std::size_t k = 0; k < first->bodies.size(); ++k)
     CHECK(sound::model_bytes(*first->bodies[k].model) == sound::model_bytes(*second->bodies[k].model));
-  // A file that is of something else, or broken, is not believed.
+  // A file with another identity, or a broken one, is ignored.
   const auto file = [&](int k) { return folder.path / (first->models[std::size_t(k)] + ".modes"); };
   fs::copy_file(file(0), file(1), fs::copy_options::overwrite_existing);
   CHECK(bake_voices(scene, surface, options)->baked == 1);
   CHECK(write_file(file(0), std::vector<std::uint8_t>(100)));
   CHECK(bake_voices(scene, surface, options)->baked == 1);
-  // Another material is another model.
+  // Another material gives another model.
   Scene other = scene;
-  for (BallScene& ball : other.balls) ball.material.density *= 1.01;
+  for (BallSettings& ball : other.balls) ball.material.density *= 1.01;
   CHECK(bake_voices(other, surface, options)->models != first->models);
 }
 

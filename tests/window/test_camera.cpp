@@ -62,10 +62,10 @@ TEST_CASE(
 }
 
 TEST_CASE("the nearest body on a ray is picked, at its surface; a ray beside all bodies picks nothing") {
-  session::Scene scene;
+  scene::Scene scene;
   scene.balls.resize(2);
   scene.balls[0].radius = scene.balls[1].radius = 0.1;
-  session::BodyScene box;
+  scene::BodySettings box;
   box.body.shape = contact::Box{{0.1, 0.2, 0.1}};
   scene.bodies.push_back(box);
   const Pose poses[] = {

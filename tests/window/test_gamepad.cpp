@@ -64,7 +64,7 @@ void take_events(Gamepad& gamepad) {
 }
 
 void touch(session::LiveState& state, bool begins, double impulse) {
-  session::ContactMark& mark = state.mark[state.marks++ % session::most_marks];
+  session::ContactMark& mark = state.marks[state.mark_count++ % session::max_marks];
   mark.begins = begins;
   mark.impulse = {0, impulse, 0};
 }
@@ -92,9 +92,9 @@ TEST_CASE("a gamepad is opened when plugged in, read while connected, and closed
   CHECK(gamepad.right().y() == 1);
   CHECK(gamepad.shoulders() == 0);
   pad.button(SDL_CONTROLLER_BUTTON_RIGHTSHOULDER, true);
-  CHECK(gamepad.shoulders() == session::right_key);
+  CHECK(gamepad.shoulders() == scene::right_key);
   pad.button(SDL_CONTROLLER_BUTTON_LEFTSHOULDER, true);
-  CHECK(gamepad.shoulders() == (session::left_key | session::right_key));
+  CHECK(gamepad.shoulders() == (scene::left_key | scene::right_key));
 
   pad.unplug();
   take_events(gamepad);

@@ -84,16 +84,16 @@ TEST_CASE("rumble grows with impulse up to 1; old contacts do not count") {
   CHECK(contact_rumble(state, 0).impact == 0);
   double before = 0;
   for (const double impulse : {1e-3, 1e-2, 0.1, 100.0}) {
-    state.mark[state.marks % session::most_marks].begins = true;
-    state.mark[state.marks++ % session::most_marks].impulse = {0, impulse, 0};
-    const Rumble rumble = contact_rumble(state, state.marks - 1);
+    state.marks[state.mark_count % session::max_marks].begins = true;
+    state.marks[state.mark_count++ % session::max_marks].impulse = {0, impulse, 0};
+    const Rumble rumble = contact_rumble(state, state.mark_count - 1);
     CHECK(rumble.impact >= before);
     CHECK(rumble.impact <= 1);
     CHECK(rumble.slide == 0);
     before = rumble.impact;
   }
   CHECK(before == 1);
-  CHECK(contact_rumble(state, state.marks).impact == 0);
+  CHECK(contact_rumble(state, state.mark_count).impact == 0);
 }
 
 TEST_CASE("panels scale with the display's dots per inch, but not again when the desktop scales") {
