@@ -74,10 +74,10 @@ TEST_CASE("invalid values are errors with their line and the fix") {
       {"[[body]]\nshape = \"sphere\"\nskin = { repeat = [0, 1] }\n", "s.toml:3", "1 to 64"},
       {"[[ground]]\nbase = { file = \"a.obj\" }\n", "s.toml:2", "a bowl does not use ground.base.file"},
       {"[[ground]]\nbase = { shape = \"sphere\", height = 1 }\n", "s.toml:2", "radius, repeat"},
-      {"[[ground]]\nbase = { shape = \"mesh\", file = \"a.obj\", radius = 1 }\n", "s.toml:2", "of a mesh"},
+      {"[[ground]]\nbase = { shape = \"mesh\", file = \"a.obj\", radius = 1 }\n", "s.toml:2", "a mesh does not use"},
       {"[[ground]]\nsize = [1, 1]\nbase = {}\n", "s.toml:2", "size"},
       {"[[ground]]\nrepresentation = \"flat\"\n", "s.toml:2", "set on the floor"},
-      {"[[body]]\nradius = 0.1\n", "s.toml:2", "of a box"},
+      {"[[body]]\nradius = 0.1\n", "s.toml:2", "a box does not use"},
       {"[[body]]\nshape = \"cylinder\"\nletter = \"B\"\n", "s.toml:3", "radius, height"},
       {"[[body]]\nsweep = 20\n", "s.toml:2", "makes a flipper"},
       {"[[body]]\nkey = \"left\"\nvelocity = [1, 0, 0]\n", "s.toml:3", "flipper"},
@@ -148,14 +148,14 @@ TEST_CASE("a texture too fine for contact on its base is an error; a fine one ge
   };
   const auto refused = made(64, 0.01);
   REQUIRE_FALSE(refused);
-  CHECK(refused.error().message().rfind("s.toml:6: a ball of 0.045 m lies over 4.", 0) == 0);
-  CHECK(has(refused.error().message(), "smaller repeat or depth"));
+  CHECK(refused.error().message().rfind("s.toml:6: a ball of radius 0.045 m covers 4.", 0) == 0);
+  CHECK(has(refused.error().message(), "reduce repeat or depth"));
   const auto slow = made(64, 0.001), quick = made(4, 0.01);
   REQUIRE(slow);
   REQUIRE(quick);
   const auto says = [](const SceneSurface& surface) {
     return std::any_of(surface.notes.begin(), surface.notes.end(),
-                       [](const std::string& note) { return has(note, "steps take long"); });
+                       [](const std::string& note) { return has(note, "steps will be slow"); });
   };
   CHECK(says(*slow));
   CHECK_FALSE(says(*quick));
