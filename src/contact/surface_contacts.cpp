@@ -13,12 +13,8 @@ namespace intaglio::contact {
 
 namespace {
 
-// Two units a side, made before main so that no query allocates.
-const Polyhedron cube = [] {
-  std::array<Vec3, 8> corners;
-  for (int k = 0; k < 8; ++k) corners[std::size_t(k)] = Vec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1);
-  return **convex_hull(corners);
-}();
+// Built at static initialisation, so that queries do not allocate.
+const Polyhedron cube = make_cube();
 
 struct PairsOf {
   const Asked& asked;
