@@ -77,7 +77,8 @@ Result<void> check_wav(const std::string& output) {
 }
 
 double peak_of(const std::vector<float>& audio) {
-  const double peak = peak_of(audio);
+  double peak = 0;
+  for (const float x : audio) peak = std::max(peak, double(std::abs(x)));
   return peak;
 }
 

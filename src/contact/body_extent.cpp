@@ -10,7 +10,9 @@ namespace intaglio::contact {
 
 namespace {
 
-// Half of the extent of what is symmetric about its origin, with `up` the vertical in its frame.
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// Half the vertical extent of a shape symmetric about its origin; `up` is vertical in its frame.
 struct HalfExtent {
   const Vec3& up;
 
@@ -31,61 +33,37 @@ const Polyhedron* form_of(const Shape& shape) {
   return nullptr;
 }
 
-}  // namespace
-
-Extent extent_of(const Shape& shape, const Frame& frame) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  Extent all{infinity, -infinity};
-  for_each_part(shape, frame, [&](const Shape& part, const Frame& at, int) {
-    const Vec3 up = at.axes.transpose() * Vec3::UnitZ();
-    const auto add = [&](double from, double to) {
-      all = {std::min(all.low, at.origin.z() + from), std::max(all.high, at.origin.z() + to)};
-    };
-    if (const Polyhedron* form = form_of(part)) {
-      for (const Vec3& v : form->vertices) add(up.dot(v), up.dot(v));
-    } else {
-      const double half = std::visit(HalfExtent{up}, part);
-      add(-half, half);
-    }
-  });
-  return all;
-}
-
-namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-// A vertical line in the body frame: from + t * up, t = z of the local frame.
-struct Line {
+// A vertical line in the body frame: from + t * up, where t is z in the local frame.
+struct VerticalLine {
   Vec3 from, up;
 };
 
-// What a line passes inside of a convex body.
-struct Stretch {
+// Interval of a line inside a convex body, in its t; empty when `enter` exceeds `leave`.
+struct Interval {
   double enter = -infinity, leave = infinity;
 
-  void miss() {
+  void clear() {
     enter = infinity;
     leave = -infinity;
   }
-  // Keeps what is on the inner side of the plane normal . x = offset.
-  void cut(const Line& line, const Vec3& normal, double offset) {
-    const double along = normal.dot(line.up), away = normal.dot(line.from) - offset;
+  // Clips to the inner side of the plane normal . x = offset.
+  void clip(const VerticalLine& line, const Vec3& normal, double offset) {
+    const double along = normal.dot(line.up), height = normal.dot(line.from) - offset;
     if (std::abs(along) < 1e-15) {
-      if (away > 0) miss();
+      if (height > 0) clear();
     } else if (along < 0) {
-      enter = std::max(enter, -away / along);
+      enter = std::max(enter, -height / along);
     } else {
-      leave = std::min(leave, -away / along);
+      leave = std::min(leave, -height / along);
     }
   }
-  // Keeps what is inside a x^2 + 2 b x + c <= 0.
-  void cut_quadratic(double a, double b, double c) {
+  // Clips to a t^2 + 2 b t + c <= 0.
+  void clip_quadratic(double a, double b, double c) {
     const double root2 = b * b - a * c;
     if (a < 1e-15) {
-      if (c > 0) miss();
+      if (c > 0) clear();
     } else if (root2 < 0) {
-      miss();
+      clear();
     } else {
       const double root = std::sqrt(root2);
       enter = std::max(enter, (-b - root) / a);
@@ -95,24 +73,24 @@ struct Stretch {
   double entry() const { return enter <= leave ? enter : infinity; }
 };
 
-double of_ball(const Line& line, const Vec3& centre, double radius) {
+double enter_sphere(const VerticalLine& line, const Vec3& centre, double radius) {
   const Vec3 from = line.from - centre;
-  Stretch s;
-  s.cut_quadratic(1, from.dot(line.up), from.squaredNorm() - radius * radius);
+  Interval s;
+  s.clip_quadratic(1, from.dot(line.up), from.squaredNorm() - radius * radius);
   return s.entry();
 }
 
-double of_tube(const Line& line, double radius, double half_height) {
+double enter_cylinder(const VerticalLine& line, double radius, double half_height) {
   const Vec3 &f = line.from, &u = line.up;
-  Stretch s;
-  s.cut_quadratic(u.x() * u.x() + u.z() * u.z(), f.x() * u.x() + f.z() * u.z(),
-                  f.x() * f.x() + f.z() * f.z() - radius * radius);
-  s.cut(line, Vec3::UnitY(), half_height);
-  s.cut(line, -Vec3::UnitY(), half_height);
+  Interval s;
+  s.clip_quadratic(u.x() * u.x() + u.z() * u.z(), f.x() * u.x() + f.z() * u.z(),
+                   f.x() * f.x() + f.z() * f.z() - radius * radius);
+  s.clip(line, Vec3::UnitY(), half_height);
+  s.clip(line, -Vec3::UnitY(), half_height);
   return s.entry();
 }
 
-double of_triangles(const Line& line, const Polyhedron& form) {
+double enter_mesh(const VerticalLine& line, const Polyhedron& form) {
   double lowest = infinity;
   for (const Polyhedron::Face& face : form.faces) {
     const double along = face.normal.dot(line.up);
@@ -131,38 +109,55 @@ double of_triangles(const Line& line, const Polyhedron& form) {
   return lowest;
 }
 
-struct Entry {
-  const Line& line;
+struct EntryHeight {
+  const VerticalLine& line;
 
-  double operator()(const Sphere& s) const { return of_ball(line, Vec3::Zero(), s.radius); }
+  double operator()(const Sphere& s) const { return enter_sphere(line, Vec3::Zero(), s.radius); }
   double operator()(const Capsule& s) const {
     const Vec3 end(0, s.half_height, 0);
-    return std::min(of_tube(line, s.radius, s.half_height),
-                    std::min(of_ball(line, end, s.radius), of_ball(line, -end, s.radius)));
+    return std::min(enter_cylinder(line, s.radius, s.half_height),
+                    std::min(enter_sphere(line, end, s.radius), enter_sphere(line, -end, s.radius)));
   }
   double operator()(const Box& s) const {
-    Stretch stretch;
+    Interval interval;
     for (int k = 0; k < 3; ++k) {
-      stretch.cut(line, Vec3::Unit(k), s.half[k]);
-      stretch.cut(line, -Vec3::Unit(k), s.half[k]);
+      interval.clip(line, Vec3::Unit(k), s.half[k]);
+      interval.clip(line, -Vec3::Unit(k), s.half[k]);
     }
-    return stretch.entry();
+    return interval.entry();
   }
-  double operator()(const Cylinder& s) const { return of_tube(line, s.radius, s.half_height); }
+  double operator()(const Cylinder& s) const { return enter_cylinder(line, s.radius, s.half_height); }
   double operator()(const ConvexHull& s) const {
-    Stretch stretch;
-    for (const Polyhedron::Face& face : s.form->faces) stretch.cut(line, face.normal, face.offset);
-    return stretch.entry();
+    Interval interval;
+    for (const Polyhedron::Face& face : s.form->faces) interval.clip(line, face.normal, face.offset);
+    return interval.entry();
   }
-  double operator()(const Mesh& s) const { return of_triangles(line, *s.form); }
+  double operator()(const Mesh& s) const { return enter_mesh(line, *s.form); }
   double operator()(const Compound&) const { return infinity; }
 };
 
 }  // namespace
 
-double LowerHeight::at(double x, double y) const {
-  const Line line{frame_.back({x, y, 0}), frame_.axes.transpose() * Vec3::UnitZ()};
-  return std::visit(Entry{line}, shape_);
+Extent vertical_extent(const Shape& shape, const Frame& frame) {
+  Extent all{infinity, -infinity};
+  for_each_part(shape, frame, [&](const Shape& part, const Frame& at, int) {
+    const Vec3 up = at.axes.transpose() * Vec3::UnitZ();
+    const auto add = [&](double from, double to) {
+      all = {std::min(all.low, at.origin.z() + from), std::max(all.high, at.origin.z() + to)};
+    };
+    if (const Polyhedron* form = form_of(part)) {
+      for (const Vec3& v : form->vertices) add(up.dot(v), up.dot(v));
+    } else {
+      const double half = std::visit(HalfExtent{up}, part);
+      add(-half, half);
+    }
+  });
+  return all;
+}
+
+double Underside::at(double x, double y) const {
+  const VerticalLine line{frame_.back({x, y, 0}), frame_.axes.transpose() * Vec3::UnitZ()};
+  return std::visit(EntryHeight{line}, shape_);
 }
 
 }  // namespace intaglio::contact

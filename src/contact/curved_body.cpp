@@ -1,7 +1,11 @@
 #include "contact/curved_body.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <optional>
+#include <span>
 
 #include "contact/curved_contacts.h"
 #include "contact/leaf_walk.h"
@@ -15,195 +19,257 @@ namespace intaglio::contact {
 
 namespace {
 
-using surface::FlatPiece;
+using surface::LinearPiece;
 using surface::MeshFeature;
 using surface::ReliefMesh;
 using surface::ReliefPiece;
 
-// The body in the ground's local frame.
-struct Meeting {
-  const ReliefMesh& body;
-  const surface::Surface& ground;
-  Frame frame;
-  Candidates& found;
-  double thickness;  // m, of the ground
+constexpr double out_of_reach = std::numeric_limits<double>::infinity();
 
-  double texel() const { return std::min(ground.texel_u(), ground.texel_v()); }
-  // Nothing that is nowhere higher than `z`, in the ground's frame, can be within its thickness.
-  bool is_behind(double z) const { return z < -ground.max_depth() - thickness; }
-  void add(const Candidate& c) const {
-    if (c.distance >= -thickness) found.add(c);
-  }
-  std::uint64_t name(int triangle, const Vec2& weights, int i, int j) const {
-    const auto cell =
-        static_cast<std::uint64_t>(static_cast<std::uint32_t>(i)) << 32 | static_cast<std::uint32_t>(j);
-    return curved_feature_id(body, triangle, weights, Part::face, 0, 0) ^ (cell * 0x9e3779b97f4a7c15ull);
-  }
-};
-
-// On the plane z = 0: the lowest places of the body, a few texels apart.
-void on_plane(const Meeting& meeting) {
-  constexpr std::size_t most = 4;
-  std::array<MeshFeature, most> lowest;
-  const Vec3 up = meeting.frame.axes.transpose() * Vec3::UnitZ();
-  const double offset = -meeting.frame.origin.z();
-  for (std::size_t count = 0; count < most; ++count) {
-    const auto next = lowest_point(meeting.body, up, offset, meeting.found.limit() + 1e-300,
-                                   std::span(lowest).first(count), 2 * meeting.body.texel());
-    if (!next) return;
-    lowest[count] = *next;
-    const Vec3 at = meeting.frame(next->point);
-    if (!meeting.ground.placement().covers(at)) continue;
-    meeting.add(
-        {Vec3(at.x(), at.y(), 0), Vec3::UnitZ(), at.z(), meeting.name(next->triangle, next->weights, 0, 0)});
-  }
-}
-
-class GroundSearch {
+// Local minima of the distance of a body's pieces to a ground; a visitor of ReliefMesh::visit_pieces.
+//
+// A Ground provides
+//   Candidates& found;   double texel_size();
+//   double lower_bound(const surface::Box&), lower_bound(const LinearPiece&)   of the distance
+//   bool is_near(const LinearPiece&)                a closer test, for a piece of a texel's size
+//   closest(const Vec3& body_point)                 an optional feature: point, direction, distance
+//   Vec3 to_body(const Vec3&), to_ground(const Vec3&)                          directions
+//   Vec2 start(const ReliefPiece&)                  the weights to begin with
+//   void add(const ReliefPiece&, const Vec2& weights, const feature&)
+template <class Ground>
+class MinimumSearch {
  public:
-  explicit GroundSearch(const Meeting& meeting)
-      : meeting_(meeting), up_(meeting.frame.axes.transpose() * Vec3::UnitZ()) {}
+  explicit MinimumSearch(Ground& ground) : ground_(ground), tolerance_(1e-12 * ground.texel_size()) {}
 
-  double limit() const { return meeting_.found.limit() + 1e-300; }
-  double least(const surface::Box& box) const {
-    const Vec3 middle = meeting_.frame(box.center());
-    const Vec3 half = meeting_.frame.axes.cwiseAbs() * (0.5 * box.sizes());
-    if (meeting_.is_behind(middle.z() + half.z())) return std::numeric_limits<double>::infinity();
-    return over_ground(middle.head<2>() - half.head<2>(), middle.head<2>() + half.head<2>(),
-                       middle.z() - half.z());
-  }
-  double least(const FlatPiece& piece) const {
-    const Vec3 middle = meeting_.frame(piece.middle);
-    if (meeting_.is_behind(middle.z() - piece.least_along(-up_) + piece.play))
-      return std::numeric_limits<double>::infinity();
-    const Vec2 aside = Vec2::Constant(piece.radius());
-    return over_ground(middle.head<2>() - aside, middle.head<2>() + aside,
-                       middle.z() + piece.least_along(up_) - piece.play);
-  }
-  void visit(const ReliefPiece& piece) { descend(piece, 16); }
+  double limit() const { return ground_.found.search_limit(); }
+  double lower_bound(const surface::Box& box) const { return ground_.lower_bound(box); }
+  double lower_bound(const LinearPiece& piece) const { return ground_.lower_bound(piece); }
+  void visit(const ReliefPiece& piece) { subdivide(piece, piece.linear(), 16); }
 
  private:
-  // A lower bound of the distance of what is over low..high and above z, as far as it is within the limit.
-  double over_ground(const Vec2& low, const Vec2& high, double z) const {
-    const surface::Placement& place = meeting_.ground.placement();
-    const double reach = meeting_.found.limit();
-    const Vec2 aside = Vec2::Constant(reach);
-    if (high.x() < -reach || high.y() < -reach || low.x() > place.size_u() + reach ||
-        low.y() > place.size_v() + reach || z > reach)
-      return std::numeric_limits<double>::infinity();
-    return z - range_over(meeting_.ground, low - aside, high + aside).high;
-  }
-
-  // Pieces as large as the ground's texels at most.
-  void descend(const ReliefPiece& piece, int cuts) {
-    const Vec2 middle = piece.outline.middle();
-    const FlatPiece flat(piece.triangle, piece.outline, piece.heights(middle), middle);
-    if (!(least(flat) < limit())) return;
-    if (cuts == 0 || flat.radius() <= meeting_.texel()) {
-      if (is_near(flat)) touch(piece);
+  // Into pieces at most as large as the ground's texels.
+  void subdivide(const ReliefPiece& piece, const LinearPiece& linear, int subdivisions) {
+    if (subdivisions == 0 || linear.radius() <= ground_.texel_size()) {
+      if (ground_.is_near(linear)) minimise(piece);
       return;
     }
-    const Vec2 across = flat.longer_way();
-    surface::WeightPolygon below, above;
-    piece.outline.split(across, -across.dot(middle), below, above);
-    for (const surface::WeightPolygon* half : {&below, &above}) {
-      if (half->is_empty()) continue;
-      ReliefPiece part = piece;
-      part.outline = *half;
-      descend(part, cuts - 1);
-    }
+    piece.for_each_half(linear.longer_axis(), [&](const ReliefPiece& half) {
+      const LinearPiece own = half.linear();
+      if (ground_.lower_bound(own) < limit()) subdivide(half, own, subdivisions - 1);
+    });
   }
 
-  // As `least`, with the ground's own extent in place of its blocks'.
-  bool is_near(const FlatPiece& piece) const {
-    const Vec3 middle = meeting_.frame(piece.middle);
-    const Vec2 aside = Vec2::Constant(piece.radius() + meeting_.found.limit());
-    const surface::Placement& place = meeting_.ground.placement();
-    const auto uv = [&](const Vec2& at) { return place.uv({at.x(), at.y(), 0}); };
-    const double top =
-        height_range(meeting_.ground, uv(middle.head<2>() - aside), uv(middle.head<2>() + aside)).high;
-    return middle.z() + piece.least_along(up_) - piece.play - top < limit();
-  }
-
-  double gap(const Vec3& local) const {
-    return local.z() + meeting_.ground.depth(meeting_.ground.placement().uv(local));
-  }
-
-  // The local minimum of the distance to the ground that turns lead to.
-  void touch(const ReliefPiece& piece) {
-    Vec2 at = piece.outline.middle();
-    double lowest = gap(meeting_.frame(piece.point(at)));
-    for (const Vec2& corner : piece.outline) {
-      const double next = gap(meeting_.frame(piece.point(corner)));
-      if (next >= lowest) continue;
-      lowest = next;
-      at = corner;
-    }
-    auto nearest = closest_point(meeting_.ground, meeting_.frame(piece.point(at)));
+  // Alternating minimisation; adds the local minimum that it reaches.
+  void minimise(const ReliefPiece& piece) {
+    Vec2 at = ground_.start(piece);
+    auto nearest = ground_.closest(piece.point(at));
     if (!nearest) return;
-    for (int turn = 0; turn < 8; ++turn) {
-      const Vec3 direction = meeting_.frame.axes.transpose() * nearest->direction;
-      const surface::PlaneCore core{direction, direction.dot(piece.point(at))};
-      surface::PieceMinimiser<surface::PlaneCore> minimiser(piece, core, -1e-12 * meeting_.texel());
+    for (int iteration = 0; iteration < 8; ++iteration) {
+      const Vec3 direction = ground_.to_body(nearest->direction);
+      const surface::PlaneDistance plane{direction, direction.dot(piece.point(at))};
+      surface::PieceMinimiser<surface::PlaneDistance> minimiser(piece, plane, -tolerance_);
       if (!minimiser.run()) break;
-      // Half way, and half of that, where the ground's normal turns too soon.
+      // Halve the step while it does not reduce the distance.
       Vec2 next = minimiser.best().weights;
-      bool better = false;
-      for (int half = 0; half < 6 && !better; ++half) {
-        const auto there = closest_point(meeting_.ground, meeting_.frame(piece.point(next)));
-        better = there && there->distance < nearest->distance - 1e-12 * meeting_.texel();
-        if (better) {
+      bool is_better = false;
+      for (int half = 0; half < 6 && !is_better; ++half) {
+        const auto there = ground_.closest(piece.point(next));
+        is_better = there && there->distance < nearest->distance - tolerance_;
+        if (is_better) {
           nearest = there;
           at = next;
         }
         next = 0.5 * (next + at);
       }
-      if (!better) break;
+      if (!is_better) break;
     }
-    if (!meeting_.ground.placement().covers(nearest->point)) return;
-    // A body that is under the ground is no obstacle to it: its outer side must look at the ground's.
-    const Vec3 outwards = meeting_.frame.axes * piece.base_normal(at);
-    if (outwards.dot(nearest->direction) >= 0) return;
-    meeting_.add({nearest->point, nearest->direction, nearest->distance,
-                  meeting_.name(piece.triangle.index, at, nearest->cell_i, nearest->cell_j)});
+    // Reject pairs whose outer sides do not face each other: the body is below the ground, or behind it.
+    if (ground_.to_ground(piece.base_normal(at)).dot(nearest->direction) < 0)
+      ground_.add(piece, at, *nearest);
   }
 
-  const Meeting& meeting_;
-  Vec3 up_;
+  Ground& ground_;
+  double tolerance_;
 };
 
-// The ground's texels around the deepest places that are deeper in the body than those are in the ground.
-void add_texels(const Meeting& meeting) {
+// A rectangle; the body in its local frame.
+struct RectangleGround {
+  const ReliefMesh& body;
+  const surface::Surface& surface;
+  Frame frame;
+  Candidates& found;
+  double thickness;
+  Vec3 up = frame.axes.transpose() * Vec3::UnitZ();  // in the body's frame
+
+  double texel_size() const { return std::min(surface.texel_u(), surface.texel_v()); }
+
+  double lower_bound(const surface::Box& box) const {
+    const Vec3 middle = frame(box.center());
+    const Vec3 half = frame.axes.cwiseAbs() * (0.5 * box.sizes());
+    return bound({middle.head<2>() - half.head<2>(), middle.head<2>() + half.head<2>(), middle.z() - half.z(),
+                  middle.z() + half.z()});
+  }
+  double lower_bound(const LinearPiece& piece) const {
+    const Vec3 middle = frame(piece.middle);
+    const Vec2 half = Vec2::Constant(piece.radius());
+    return bound({middle.head<2>() - half, middle.head<2>() + half,
+                  middle.z() + piece.min_along(up) - piece.error,
+                  middle.z() - piece.min_along(-up) + piece.error});
+  }
+  // As lower_bound, with the ground's own extent in place of its blocks'.
+  bool is_near(const LinearPiece& piece) const {
+    const Vec3 middle = frame(piece.middle);
+    const Vec2 half = Vec2::Constant(piece.radius() + found.max_distance());
+    const auto uv = [&](const Vec2& at) { return surface.placement().uv({at.x(), at.y(), 0}); };
+    const double top = height_range(surface, uv(middle.head<2>() - half), uv(middle.head<2>() + half)).high;
+    return middle.z() + piece.min_along(up) - piece.error - top < found.search_limit();
+  }
+
+  std::optional<surface::Feature> closest(const Vec3& body_point) const {
+    return closest_point(surface, frame(body_point));
+  }
+  Vec3 to_body(const Vec3& direction) const { return frame.axes.transpose() * direction; }
+  Vec3 to_ground(const Vec3& direction) const { return frame.axes * direction; }
+
+  // The corner with the least gap, or the centroid.
+  Vec2 start(const ReliefPiece& piece) const {
+    const auto gap = [&](const Vec2& weights) {
+      const Vec3 local = frame(piece.point(weights));
+      return local.z() + surface.depth(surface.placement().uv(local));
+    };
+    Vec2 at = piece.outline.centroid();
+    double lowest = gap(at);
+    for (const Vec2& corner : piece.outline) {
+      const double next = gap(corner);
+      if (next >= lowest) continue;
+      lowest = next;
+      at = corner;
+    }
+    return at;
+  }
+
+  void add(const Candidate& c) const {
+    if (c.distance >= -thickness) found.add(c);
+  }
+  void add(const ReliefPiece& piece, const Vec2& at, const surface::Feature& nearest) const {
+    if (!surface.placement().covers(nearest.point)) return;
+    add({nearest.point, nearest.direction, nearest.distance,
+         feature(piece.triangle.index, at, nearest.cell_i, nearest.cell_j)});
+  }
+  std::uint64_t feature(int triangle, const Vec2& weights, int i, int j) const {
+    const auto cell = std::uint64_t(std::uint32_t(i)) << 32 | std::uint32_t(j);
+    return internal::curved_feature_id(body, triangle, weights, BodyFeature::face, 0, 0) ^
+           (cell * 0x9e3779b97f4a7c15ull);
+  }
+
+ private:
+  struct Region {
+    Vec2 low, high;  // in plan
+    double bottom, top;
+  };
+  // A lower bound of the distance of what is in a region, as far as it is within the limit.
+  double bound(const Region& region) const {
+    // Behind a ground of finite thickness is not below it.
+    if (region.top < -surface.max_depth() - thickness) return out_of_reach;
+    const double reach = found.max_distance();
+    if (is_beside(surface.placement(), region.low, region.high, reach) || region.bottom > reach)
+      return out_of_reach;
+    const Vec2 margin = Vec2::Constant(reach);
+    return region.bottom - range_over(surface, region.low - margin, region.high + margin).high;
+  }
+};
+
+// On the plane z = 0: the lowest places of the body, a few texels apart.
+void add_lowest(const RectangleGround& ground) {
+  constexpr std::size_t max_count = 4;
+  std::array<MeshFeature, max_count> lowest;
+  const double offset = -ground.frame.origin.z();
+  for (std::size_t count = 0; count < max_count; ++count) {
+    const auto next = lowest_point(ground.body, ground.up, offset, ground.found.search_limit(),
+                                   std::span(lowest).first(count), 2 * ground.body.texel_size());
+    if (!next) return;
+    lowest[count] = *next;
+    const Vec3 at = ground.frame(next->point);
+    if (!ground.surface.placement().covers(at)) continue;
+    ground.add({Vec3(at.x(), at.y(), 0), Vec3::UnitZ(), at.z(),
+                ground.feature(next->triangle, next->weights, 0, 0)});
+  }
+}
+
+// Also tests the ground's texels around the overlaps found, the summits among them: they may be deeper in the
+// body.
+void add_summits(const RectangleGround& ground) {
   struct Texel {
     int i, j;
   };
   std::array<Texel, 32> texels;
   std::size_t count = 0;
-  const surface::Surface& ground = meeting.ground;
-  for (const Candidate& c : meeting.found) {
+  const surface::Surface& surface = ground.surface;
+  for (const Candidate& c : ground.found) {
     if (c.distance >= 0 || count + 4 > texels.size()) continue;
-    const auto [i, j] = ground.cell_at(c.point.x(), c.point.y());
+    const auto [i, j] = surface.cell_at(c.point.x(), c.point.y());
     for (int k = 0; k < 4; ++k) {
       const Texel t{i + (k & 1), j + (k >> 1)};
-      const bool known = std::any_of(texels.begin(), texels.begin() + static_cast<std::ptrdiff_t>(count),
-                                     [&](const Texel& o) { return o.i == t.i && o.j == t.j; });
-      if (!known) texels[count++] = t;
+      const bool is_known = std::any_of(texels.begin(), texels.begin() + std::ptrdiff_t(count),
+                                        [&](const Texel& o) { return o.i == t.i && o.j == t.j; });
+      if (!is_known) texels[count++] = t;
     }
   }
   for (std::size_t k = 0; k < count; ++k) {
     const auto [i, j] = texels[k];
-    const double z = ground.texel_z(i, j);
-    if (ground.texel_z(i - 1, j) + ground.texel_z(i + 1, j) > 2 * z ||
-        ground.texel_z(i, j - 1) + ground.texel_z(i, j + 1) > 2 * z)
-      continue;  // no summit
-    const Vec3 at((i + 0.5) * ground.texel_u(), (j + 0.5) * ground.texel_v(), z);
-    const auto f = closest_point(meeting.body, meeting.frame.back(at), meeting.texel());
-    if (!f || f->distance >= 0 || !ground.placement().covers(at)) continue;
-    const Vec3 normal = meeting.frame.axes * -f->direction;
+    const double z = surface.texel_z(i, j);
+    if (surface.texel_z(i - 1, j) + surface.texel_z(i + 1, j) > 2 * z ||
+        surface.texel_z(i, j - 1) + surface.texel_z(i, j + 1) > 2 * z)
+      continue;
+    const Vec3 at((i + 0.5) * surface.texel_u(), (j + 0.5) * surface.texel_v(), z);
+    const auto f = closest_point(ground.body, ground.frame.back(at), ground.texel_size());
+    if (!f || f->distance >= 0 || !surface.placement().covers(at)) continue;
+    const Vec3 normal = ground.frame.axes * -f->direction;
     if (normal.z() > 1e-3)
-      meeting.add({at, normal, f->distance, meeting.name(f->triangle, f->weights, i, j)});
+      ground.add({at, normal, f->distance, ground.feature(f->triangle, f->weights, i, j)});
   }
 }
+
+// A relief on a curved base; the body in its frame.
+struct MeshGround {
+  const Pose& pose;
+  const ReliefMesh& relief;
+  double depth;
+  Candidates& found;
+
+  double texel_size() const { return relief.texel_size(); }
+
+  double lower_bound(const surface::Box& box) const { return bound(box.center(), 0.5 * box.sizes().norm()); }
+  double lower_bound(const LinearPiece& piece) const {
+    return bound(piece.middle, piece.radius() + piece.error);
+  }
+  bool is_near(const LinearPiece&) const { return true; }
+
+  std::optional<MeshFeature> closest(const Vec3& body_point) const {
+    return closest_point(relief, pose.to_world(body_point), depth + 2 * relief.texel_size());
+  }
+  Vec3 to_body(const Vec3& direction) const { return pose.orientation.conjugate() * direction; }
+  Vec3 to_ground(const Vec3& direction) const { return pose.orientation * direction; }
+  Vec2 start(const ReliefPiece& piece) const { return piece.outline.centroid(); }
+
+  void add(const ReliefPiece& piece, const Vec2&, const MeshFeature& nearest) const {
+    if (nearest.distance < -depth) return;
+    const int index = piece.triangle.index;
+    found.add({nearest.point, nearest.direction, nearest.distance,
+               internal::curved_feature_id(relief, nearest.triangle, nearest.weights, BodyFeature::face,
+                                           index & 255, (index >> 8) & 63)});
+  }
+
+ private:
+  // A lower bound of the distance of what is within `radius` of a point of the body.
+  double bound(const Vec3& middle, double radius) const {
+    const Vec3 at = pose.to_world(middle);
+    const double reach = radius + std::max(found.max_distance(), depth);
+    if (relief.bounds().squaredExteriorDistance(at) > reach * reach) return out_of_reach;
+    const auto nearest = closest_point(relief, at, reach);
+    return nearest ? nearest->distance - radius : out_of_reach;
+  }
+};
 
 }  // namespace
 
@@ -215,145 +281,38 @@ ContactSet curved_on_relief(const ReliefMesh& body, const Pose& pose, const surf
     return set;
   }
   const surface::Placement& place = ground.placement();
-  const double side = std::min(place.size_u(), place.size_v());
-  if (!(margin <= side)) set.status |= status::wide_margin;
-  margin = margin > 0 ? std::min(margin, side) : 0;
-  const Vec3 origin = place.to_local(pose.position);
-  if (origin.norm() > 1e5 * std::max(place.size_u(), place.size_v())) {
+  set.status |= limit_margin(margin, std::min(place.size_u(), place.size_v()));
+  const Frame frame = local_frame(place, pose);
+  if (is_far(frame.origin, std::max(place.size_u(), place.size_v()))) {
     set.status |= status::far;
     return set;
   }
-  Candidates found(margin);
-  const Mat3 turn = pose.orientation.normalized().toRotationMatrix();
-  Frame frame{Mat3(), origin};
-  for (int k = 0; k < 3; ++k) frame.axes.col(k) = place.direction_to_local(turn.col(k));
   if (!(thickness >= 0)) thickness = 0;
-  const Meeting meeting{body, ground, frame, found, thickness};
   const surface::Box bounds = body.bounds();
   const Vec3 middle = frame(bounds.center());
+  const Vec2 plan = middle.head<2>();
   const double reach = 0.5 * bounds.sizes().norm() + margin;
-  if (middle.x() < -reach || middle.y() < -reach || middle.x() > place.size_u() + reach ||
-      middle.y() > place.size_v() + reach) {
+  if (is_beside(place, plan, plan, reach)) {
     set.status |= status::off_edge;
     return set;
   }
   if (middle.z() > reach) return set;
   if (middle.z() < -ground.max_depth() - reach) {
-    // What is under the back of a ground is not under the ground.
     if (std::isinf(thickness)) set.status |= status::under;
     return set;
   }
+  Candidates found(margin);
+  RectangleGround rectangle{body, ground, frame, found, thickness};
   if (ground.is_flat()) {
-    on_plane(meeting);
+    add_lowest(rectangle);
   } else {
-    GroundSearch search(meeting);
-    body.walk(search);
-    add_texels(meeting);
+    MinimumSearch<RectangleGround> search(rectangle);
+    body.visit_pieces(search);
+    add_summits(rectangle);
   }
-  if (found.overflowed()) set.status |= status::limit;
-  found.choose(ground, set);
+  found.select(ground, set);
   return set;
 }
-
-namespace {
-
-using surface::FlatPiece;
-using surface::MeshFeature;
-using surface::ReliefMesh;
-using surface::ReliefPiece;
-
-constexpr double nowhere = std::numeric_limits<double>::infinity();
-
-class MeshSearch {
- public:
-  MeshSearch(const Pose& pose, const ReliefMesh& ground, double depth, Candidates& found)
-      : pose_(pose), ground_(ground), depth_(depth), found_(found) {}
-
-  double limit() const { return found_.limit() + 1e-300; }
-  double least(const surface::Box& box) const { return least(box.center(), 0.5 * box.sizes().norm()); }
-  double least(const FlatPiece& piece) const { return least(piece.middle, piece.radius() + piece.play); }
-  void visit(const ReliefPiece& piece) {
-    const Vec2 middle = piece.outline.middle();
-    cut(piece, FlatPiece(piece.triangle, piece.outline, piece.heights(middle), middle), 16);
-  }
-
- private:
-  // A lower bound of the distance of what is within `radius` of a point of the body.
-  double least(const Vec3& middle, double radius) const {
-    const Vec3 at = pose_.to_world(middle);
-    const double reach = radius + std::max(found_.limit(), depth_);
-    if (ground_.bounds().squaredExteriorDistance(at) > reach * reach) return nowhere;
-    const auto nearest = closest_point(ground_, at, reach);
-    return nearest ? nearest->distance - radius : nowhere;
-  }
-
-  // Into pieces as large as the ground's texels at most.
-  void cut(const ReliefPiece& piece, const FlatPiece& flat, int cuts) {
-    if (cuts == 0 || flat.radius() <= ground_.texel()) return touch(piece);
-    const Vec2 middle = piece.outline.middle();
-    const Vec2 across = flat.longer_way();
-    surface::WeightPolygon below, above;
-    piece.outline.split(across, -across.dot(middle), below, above);
-    for (const surface::WeightPolygon* half : {&below, &above}) {
-      if (half->is_empty()) continue;
-      ReliefPiece part = piece;
-      part.outline = *half;
-      const Vec2 at = part.outline.middle();
-      const FlatPiece own(part.triangle, part.outline, part.heights(at), at);
-      if (least(own) < limit()) cut(part, own, cuts - 1);
-    }
-  }
-
-  std::optional<MeshFeature> nearest_to(const ReliefPiece& piece, const Vec2& weights) const {
-    return closest_point(ground_, pose_.to_world(piece.point(weights)), depth_ + 2 * ground_.texel());
-  }
-
-  // The local minimum of the distance to the ground that turns lead to.
-  void touch(const ReliefPiece& piece) {
-    const double hair = 1e-12 * ground_.texel();
-    Vec2 at = piece.outline.middle();
-    auto nearest = nearest_to(piece, at);
-    if (!nearest) return;
-    for (int turn = 0; turn < 8; ++turn) {
-      const Vec3 direction = pose_.orientation.conjugate() * nearest->direction;
-      const surface::PlaneCore core{direction, direction.dot(piece.point(at))};
-      surface::PieceMinimiser<surface::PlaneCore> minimiser(piece, core, -hair);
-      if (!minimiser.run()) break;
-      // Half way, and half of that, where the ground's normal turns too soon.
-      Vec2 next = minimiser.best().weights;
-      bool better = false;
-      for (int half = 0; half < 6 && !better; ++half) {
-        const auto there = nearest_to(piece, next);
-        better = there && there->distance < nearest->distance - hair;
-        if (better) {
-          nearest = there;
-          at = next;
-        }
-        next = 0.5 * (next + at);
-      }
-      if (!better) break;
-    }
-    add(piece, at, *nearest);
-  }
-
-  void add(const ReliefPiece& piece, const Vec2& at, const MeshFeature& nearest) {
-    if (nearest.distance < -depth_) return;
-    // What has come out behind the ground is no obstacle: the outer sides must look at each other.
-    const Vec3 outwards = pose_.orientation * piece.base_normal(at);
-    if (outwards.dot(nearest.direction) >= 0) return;
-    const int index = piece.triangle.index;
-    found_.add({nearest.point, nearest.direction, nearest.distance,
-                curved_feature_id(ground_, nearest.triangle, nearest.weights, Part::face, index & 255,
-                                  (index >> 8) & 63)});
-  }
-
-  const Pose& pose_;
-  const ReliefMesh& ground_;
-  double depth_;
-  Candidates& found_;
-};
-
-}  // namespace
 
 ContactSet curved_on_curved(const ReliefMesh& body, const Pose& pose, const ReliefMesh& ground, double margin,
                             double depth) {
@@ -363,19 +322,18 @@ ContactSet curved_on_curved(const ReliefMesh& body, const Pose& pose, const Reli
     return set;
   }
   const double side = ground.bounds().sizes().maxCoeff();
-  if (pose.position.norm() > 1e5 * side) {
+  set.status |= limit_margin(margin, side);
+  if (is_far(pose.position, side)) {
     set.status |= status::far;
     return set;
   }
-  if (!(margin <= side)) set.status |= status::wide_margin;
-  margin = margin > 0 ? std::min(margin, side) : 0;
   depth = depth > 0 ? std::min(depth, side) : 0;
   Candidates found(margin);
   const Pose unit{pose.position, pose.orientation.normalized()};
-  MeshSearch search(unit, ground, depth, found);
-  body.walk(search);
-  if (found.overflowed()) set.status |= status::limit;
-  report(ground, found, set);
+  MeshGround mesh{unit, ground, depth, found};
+  MinimumSearch<MeshGround> search(mesh);
+  body.visit_pieces(search);
+  internal::select(ground, found, set);
   return set;
 }
 

@@ -1,7 +1,10 @@
 #include "contact/curved_contacts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
+#include <span>
 
 #include "contact/body_extent.h"
 #include "contact/pairs.h"
@@ -18,39 +21,33 @@ static_assert(surface::max_mesh_triangles <= (std::size_t{1} << triangle_bits));
 
 }  // namespace
 
-std::uint64_t curved_feature_id(const surface::ReliefMesh& relief, int triangle, const Vec2& weights,
-                                Part part, int index, int child) {
-  constexpr double near = 1e-6;
-  const auto bits = [](auto value, unsigned count) {
-    return static_cast<std::uint64_t>(value) & ((std::uint64_t{1} << count) - 1);
-  };
-  const surface::MeshPlace place = surface::first_of(relief, triangle, weights);
-  Vec2 first = Vec2::Zero(), on_line = Vec2::Zero();
+std::uint64_t internal::curved_feature_id(const surface::ReliefMesh& relief, int triangle,
+                                          const Vec2& weights, BodyFeature body, int index, int part) {
+  const surface::SurfacePlace place = surface::canonical_place(relief, triangle, weights);
+  GridPlace grid{0, 0, false, false};
   if (!relief.surface().is_flat()) {
     const Vec2 cells = relief.triangle(place.triangle).cells(place.weights);
-    for (int axis = 0; axis < 2; ++axis) {
-      first[axis] = std::floor(cells[axis] + near);
-      on_line[axis] = cells[axis] - first[axis] < near ? 1 : 0;
-    }
+    grid = grid_place(cells[0], cells[1]);
   }
-  return bits(place.triangle, triangle_bits) | bits(static_cast<std::int64_t>(first[0]), 12) << 22 |
-         bits(static_cast<std::int64_t>(first[1]), 12) << 34 |
-         bits(static_cast<int>(on_line[0] + 2 * on_line[1]), 2) << 46 | bits(part, 2) << 48 |
-         bits(index, 8) << 50 | bits(child, 6) << 58;
+  return low_bits(place.triangle, triangle_bits) | low_bits(std::int64_t(grid.i), 12) << 22 |
+         low_bits(std::int64_t(grid.j), 12) << 34 |
+         low_bits((grid.on_column ? 1 : 0) + (grid.on_row ? 2 : 0), 2) << 46 | low_bits(body, 2) << 48 |
+         low_bits(index, 8) << 50 | low_bits(part, 6) << 58;
 }
 
-void report(const surface::ReliefMesh& relief, Candidates& found, ContactSet& set) {
-  Candidates::Chosen chosen;
-  const std::size_t count = found.choose(chosen);
+void internal::select(const surface::ReliefMesh& relief, Candidates& found, ContactSet& set) {
+  if (found.overflowed()) set.status |= status::limit;
+  Candidates::Selected selected;
+  const std::size_t count = found.select(selected);
   for (std::size_t k = 0; k < count; ++k) {
-    const Candidate& c = *chosen[k];
+    const Candidate& c = *selected[k];
     ContactPoint out;
     out.point = c.point;
     out.normal = out.n_s = c.normal;
     out.distance = c.distance;
     out.feature = c.feature;
-    const int triangle = static_cast<int>(c.feature & ((std::uint64_t{1} << triangle_bits) - 1));
-    if (const auto base = relief.under(triangle, c.point)) {
+    const int triangle = int(low_bits(c.feature, triangle_bits));
+    if (const auto base = relief.base_below(triangle, c.point)) {
       out.uv = base->uv;
       out.triangle = triangle;
       out.weights = base->weights;
@@ -65,65 +62,62 @@ namespace {
 using surface::MeshFeature;
 using surface::ReliefMesh;
 
-struct CurvedAsked {
+struct CurvedQuery {
   const ReliefMesh& relief;
-  int child;
-  double deepest;  // what is below by more is elsewhere
+  int part;
+  double max_penetration;
   Candidates& found;
   unsigned& status;
 
-  void add(const MeshFeature& f, double radius, Part part, int index) const {
-    if (f.distance < -deepest) {
+  void add(const MeshFeature& f, double radius, BodyFeature body, int index) const {
+    if (f.distance < -max_penetration) {
       status |= status::under;
       return;
     }
     found.add({f.point, f.direction, f.distance - radius,
-               curved_feature_id(relief, f.triangle, f.weights, part, index, child)});
+               internal::curved_feature_id(relief, f.triangle, f.weights, body, index, part)});
   }
 };
 
-void ball(const CurvedAsked& asked, const Vec3& centre, double radius, int index) {
+void sphere(const CurvedQuery& query, const Vec3& centre, double radius, int index) {
   std::array<MeshFeature, ContactSet::capacity> features;
   const std::size_t count =
-      closest_features(asked.relief, centre, radius + asked.found.limit(), min_angle, features);
-  for (std::size_t k = 0; k < count; ++k) asked.add(features[k], radius, Part::round, index);
+      closest_features(query.relief, centre, radius + query.found.max_distance(), min_angle, features);
+  for (std::size_t k = 0; k < count; ++k) query.add(features[k], radius, BodyFeature::smooth, index);
   if (count > 0) return;
-  // Nothing near may also mean: deep below.
-  const double reach = 2 * asked.deepest;
-  const auto base = asked.relief.base().closest(centre, reach);
-  if (!base || base->height > -asked.relief.surface().depth(base->uv)) return;
-  const auto nearest = closest_point(asked.relief, centre, reach);
-  if (nearest && nearest->distance < 0) asked.add(*nearest, radius, Part::round, index);
+  // No feature nearby: the centre may be deep below the surface.
+  const double reach = 2 * query.max_penetration;
+  const auto base = query.relief.base().closest(centre, reach);
+  if (!base || base->height > -query.relief.surface().depth(base->uv)) return;
+  const auto nearest = closest_point(query.relief, centre, reach);
+  if (nearest && nearest->distance < 0) query.add(*nearest, radius, BodyFeature::smooth, index);
 }
 
-void corner(const CurvedAsked& asked, const Vec3& at, std::span<const Vec3> around, int index) {
-  const auto nearest = closest_point(asked.relief, at, std::max(asked.found.limit(), 2 * asked.deepest));
-  if (!nearest || nearest->distance > asked.found.limit()) return;
-  // The relief's normal must be among the corner's own.
-  const bool is_least = std::all_of(around.begin(), around.end(), [&](const Vec3& edge) {
-    return nearest->direction.dot(edge) >= -corner_slack;
-  });
-  if (is_least) asked.add(*nearest, 0, Part::vertex, index);
+void corner(const CurvedQuery& query, const Vec3& at, std::span<const Vec3> edges, int index) {
+  const double max_distance = query.found.max_distance();
+  const auto nearest = closest_point(query.relief, at, std::max(max_distance, 2 * query.max_penetration));
+  if (!nearest || nearest->distance > max_distance) return;
+  if (is_in_corner_cone(nearest->direction, edges)) query.add(*nearest, 0, BodyFeature::vertex, index);
 }
 
-// The relief inside of a convex body or near its faces: of each piece the point that is deepest in, of those
-// whose outer side looks at the face that is nearest.
+// The relief inside a convex body or near its faces: of each piece the deepest point among those whose
+// outward side faces the nearest body face.
 template <class Body>
 class InsideSearch {
  public:
-  InsideSearch(const CurvedAsked& asked, const Body& body) : asked_(asked), body_(body) {}
+  InsideSearch(const CurvedQuery& query, const Body& body) : query_(query), body_(body) {}
 
-  double limit() const { return asked_.found.limit() + 1e-300; }
-  double least(const surface::Box& box) const {
-    const SupportingPlane plane = body_.plane_at(box.center());
-    return plane.height - 0.5 * plane.normal.cwiseAbs().dot(box.sizes());
+  double limit() const { return query_.found.search_limit(); }
+  double lower_bound(const surface::Box& box) const {
+    const NearestFace face = body_.nearest_face(box.center());
+    return face.height - 0.5 * face.normal.cwiseAbs().dot(box.sizes());
   }
-  double least(const surface::FlatPiece& piece) const {
-    const SupportingPlane plane = body_.plane_at(piece.middle);
-    return plane.height + piece.least_along(plane.normal) - piece.play;
+  double lower_bound(const surface::LinearPiece& piece) const {
+    const NearestFace face = body_.nearest_face(piece.middle);
+    return face.height + piece.min_along(face.normal) - piece.error;
   }
   void visit(const surface::ReliefPiece& piece) {
-    best_.height = asked_.found.limit() + 1e-300;
+    best_.height = query_.found.search_limit();
     found_ = false;
     search(piece, 10);
     if (!found_) return;
@@ -133,116 +127,99 @@ class InsideSearch {
     feature.distance = best_.height;
     feature.triangle = piece.triangle.index;
     feature.weights = at_;
-    asked_.add(feature, 0, Part::face, best_.face);
+    query_.add(feature, 0, BodyFeature::face, best_.face);
   }
 
  private:
-  // The face that a place is nearest to, and whether the relief's outer side looks at it there.
-  struct Look {
-    SupportingPlane plane;
-    bool faces;
+  struct Sample {
+    NearestFace face;
+    bool faces_it;  // the relief's outward side the body's face
   };
-  Look look(const surface::ReliefPiece& piece, const Vec2& at) {
-    const SupportingPlane plane = body_.plane_at(piece.point(at));
-    const bool faces = piece.base_normal(at).dot(plane.normal) < 0;
-    if (faces && plane.height < best_.height) {
-      best_ = plane;
+  Sample evaluate(const surface::ReliefPiece& piece, const Vec2& at) {
+    const NearestFace face = body_.nearest_face(piece.point(at));
+    const bool faces_it = piece.base_normal(at).dot(face.normal) < 0;
+    if (faces_it && face.height < best_.height) {
+      best_ = face;
       at_ = at;
       found_ = true;
     }
-    return {plane, faces};
+    return {face, faces_it};
   }
 
-  // Where one face is nearest, the lowest place is a corner; along the seams of faces the piece is cut.
-  void search(const surface::ReliefPiece& piece, int cuts) {
-    const Vec2 middle = piece.outline.middle();
-    const Look centre = look(piece, middle);
-    bool any = centre.faces, seam = false;
+  // With one nearest face the minimum is at a corner of the piece; where several compete the piece is halved.
+  void search(const surface::ReliefPiece& piece, int subdivisions) {
+    const Sample centre = evaluate(piece, piece.outline.centroid());
+    bool any = centre.faces_it, has_seam = false;
     for (const Vec2& corner : piece.outline) {
-      const Look here = look(piece, corner);
-      any = any || here.faces;
-      seam = seam || here.plane.normal != centre.plane.normal;
+      const Sample here = evaluate(piece, corner);
+      any = any || here.faces_it;
+      has_seam = has_seam || here.face.normal != centre.face.normal;
     }
-    if (cuts == 0 || !any || !seam) return;
-    const surface::FlatPiece flat(piece.triangle, piece.outline, piece.heights(middle), middle);
-    if (least(flat) >= best_.height - 1e-3 * asked_.relief.texel()) return;
-    surface::WeightPolygon below, above;
-    const Vec2 across = flat.longer_way();
-    piece.outline.split(across, -across.dot(middle), below, above);
-    for (const surface::WeightPolygon* half : {&below, &above}) {
-      if (half->is_empty()) continue;
-      surface::ReliefPiece part = piece;
-      part.outline = *half;
-      search(part, cuts - 1);
-    }
+    if (subdivisions == 0 || !any || !has_seam) return;
+    const surface::LinearPiece linear = piece.linear();
+    if (lower_bound(linear) >= best_.height - 1e-3 * query_.relief.texel_size()) return;
+    piece.for_each_half(linear.longer_axis(),
+                        [&](const surface::ReliefPiece& half) { search(half, subdivisions - 1); });
   }
 
-  const CurvedAsked& asked_;
+  const CurvedQuery& query_;
   const Body& body_;
-  SupportingPlane best_{Vec3::Zero(), 0, 0};
+  NearestFace best_{Vec3::Zero(), 0, 0};
   Vec2 at_ = Vec2::Zero();
   bool found_ = false;
 };
 
 template <class Body>
-void faces(const CurvedAsked& asked, const Body& body) {
-  InsideSearch<Body> search(asked, body);
-  asked.relief.walk(search);
+void faces(const CurvedQuery& query, const Body& body) {
+  InsideSearch<Body> search(query, body);
+  query.relief.visit_pieces(search);
 }
 
-struct TouchOf {
-  const CurvedAsked& asked;
+struct CurvedVisitor {
+  const CurvedQuery& query;
   const Frame& frame;
 
-  void operator()(const Sphere& s) const { ball(asked, frame.origin, s.radius, 0); }
+  void operator()(const Sphere& s) const { sphere(query, frame.origin, s.radius, 0); }
   void operator()(const Capsule& s) const {
     const Vec3 along = s.half_height * frame.axes.col(1), from = frame.origin - along,
                to = frame.origin + along;
-    ball(asked, from, s.radius, 0);
-    ball(asked, to, s.radius, 1);
-    const double reach = s.radius + asked.found.limit();
-    if (const auto f = closest_to_segment(asked.relief, from, to, reach))
-      asked.add(*f, s.radius, Part::edge, 0);
+    sphere(query, from, s.radius, 0);
+    sphere(query, to, s.radius, 1);
+    const double reach = s.radius + query.found.max_distance();
+    if (const auto f = closest_to_segment(query.relief, from, to, reach))
+      query.add(*f, s.radius, BodyFeature::edge, 0);
   }
   void operator()(const Box& s) const {
     for (int k = 0; k < 8; ++k) {
-      const Vec3 sign(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1);
-      std::array<Vec3, 3> around;
-      for (int axis = 0; axis < 3; ++axis)
-        around[static_cast<std::size_t>(axis)] = -sign[axis] * frame.axes.col(axis);
-      corner(asked, frame(sign.cwiseProduct(s.half)), around, k);
+      const Vec3 sign = box_corner(Vec3::Ones(), k);
+      std::array<Vec3, 3> edges;
+      for (int axis = 0; axis < 3; ++axis) edges[std::size_t(axis)] = -sign[axis] * frame.axes.col(axis);
+      corner(query, frame(box_corner(s.half, k)), edges, k);
     }
-    faces(asked, BoxPlanes{frame, s.half});
+    faces(query, BoxFaces{frame, s.half});
   }
   void operator()(const Cylinder& s) const {
     constexpr int corners = 16;
     for (int k = 0; k < 2 * corners; ++k) {
       const double angle = k * 2 * std::numbers::pi / corners, end = k < corners ? -1 : 1;
       const Vec3 out(elementary::cos(angle), 0, elementary::sin(angle));
-      const std::array<Vec3, 2> around = {frame.axes * -out, -end * frame.axes.col(1)};
-      corner(asked, frame(s.radius * out + end * s.half_height * Vec3::UnitY()), around, k);
+      const std::array<Vec3, 2> edges = {frame.axes * -out, -end * frame.axes.col(1)};
+      corner(query, frame(s.radius * out + end * s.half_height * Vec3::UnitY()), edges, k);
     }
-    faces(asked, CylinderPlanes{frame, s.radius, s.half_height});
+    faces(query, CylinderFaces{frame, s.radius, s.half_height});
   }
   void operator()(const ConvexHull& s) const {
     corners_of(*s.form);
-    faces(asked, HullPlanes{frame, *s.form});
+    faces(query, HullFaces{frame, *s.form});
   }
   void operator()(const Mesh& s) const { corners_of(*s.form); }
   void operator()(const Compound&) const {}
 
   void corners_of(const Polyhedron& form) const {
-    constexpr std::size_t most_around = 64;
+    const auto vertex_at = [&](int k) { return frame(form.vertices[std::size_t(k)]); };
     for (std::size_t k = 0; k < form.vertices.size(); ++k) {
-      std::array<Vec3, most_around> around;
-      std::size_t count = 0;
-      const Vec3 at = frame(form.vertices[k]);
-      for (auto n = static_cast<std::size_t>(form.first_neighbour[k]);
-           n < static_cast<std::size_t>(form.first_neighbour[k + 1]) && count < most_around; ++n) {
-        const auto neighbour = static_cast<std::size_t>(form.neighbours[n]);
-        around[count++] = (frame(form.vertices[neighbour]) - at).normalized();
-      }
-      corner(asked, at, std::span(around).first(count), static_cast<int>(k));
+      std::array<Vec3, max_edges_of_vertex> directions;
+      corner(query, vertex_at(int(k)), edge_directions(form, k, vertex_at, directions), int(k));
     }
   }
 };
@@ -250,9 +227,9 @@ struct TouchOf {
 // Whether a body is deep in the solid, with nothing of the relief in its own box.
 bool is_under(const ReliefMesh& relief, const Vec3& at, double reach) {
   if (!relief.bounds().contains(at)) return false;
-  const Vec3 aside = Vec3::Constant(reach);
+  const Vec3 half = Vec3::Constant(reach);
   bool is_near = false;
-  relief.for_each_triangle({at - aside, at + aside}, [&](int) { is_near = true; });
+  relief.for_each_triangle({at - half, at + half}, [&](int) { is_near = true; });
   if (is_near) return false;
   const auto nearest = closest_point(relief, at, relief.bounds().diagonal().norm());
   return nearest && nearest->distance < 0;
@@ -266,30 +243,29 @@ ContactSet curved_contacts(const ReliefMesh& relief, const Shape& shape, const P
     set.status = status::bad_pose;
     return set;
   }
-  const double reach = has_size(shape) ? bounding_radius(shape) : 0;
-  if (!(reach > 0) || !std::isfinite(reach)) {
+  const double radius = has_size(shape) ? bounding_radius(shape) : 0;
+  if (!(radius > 0) || !std::isfinite(radius)) {
     set.status = status::no_size;
     return set;
   }
   const surface::Box bounds = relief.bounds();
   const double side = bounds.sizes().maxCoeff();
-  if (!(margin <= side)) set.status |= status::wide_margin;
-  margin = margin > 0 ? std::min(margin, side) : 0;
-  if ((pose.position - bounds.center()).norm() > 1e5 * side) {
+  set.status |= limit_margin(margin, side);
+  if (is_far(pose.position - bounds.center(), side)) {
     set.status |= status::far;
     return set;
   }
-  if (bounds.exteriorDistance(pose.position) > reach + margin) return set;
+  if (bounds.exteriorDistance(pose.position) > radius + margin) return set;
   Candidates found(margin);
   const Frame frame{pose.orientation.normalized().toRotationMatrix(), pose.position};
-  set.status |= for_each_part(shape, frame, [&](const Shape& part, const Frame& at, int child) {
-    const CurvedAsked asked{relief, child, 2 * reach + margin, found, set.status};
-    std::visit(TouchOf{asked, at}, part);
+  set.status |= for_each_part(shape, frame, [&](const Shape& one, const Frame& at, int part) {
+    const CurvedQuery query{relief, part, 2 * radius + margin, found, set.status};
+    std::visit(CurvedVisitor{query, at}, one);
   });
   if (found.overflowed()) set.status |= status::limit;
-  if (found.size() == 0 && set.status == status::ok && is_under(relief, pose.position, reach + margin))
+  if (found.size() == 0 && set.status == status::ok && is_under(relief, pose.position, radius + margin))
     set.status |= status::under;
-  report(relief, found, set);
+  internal::select(relief, found, set);
   return set;
 }
 

@@ -19,7 +19,7 @@ Leaf::Leaf(const surface::Surface& surface, int first_i, int first_j)
   for (int r = -1; r <= side; ++r) {
     for (int c = -1; c <= side; ++c) {
       const bool there = i + c >= 0 && i + c < surface.width() && j + r >= 0 && j + r < surface.height();
-      z[std::size_t(r + 1)][std::size_t(c + 1)] = there ? surface.texel_z(i + c, j + r) : nowhere;
+      z[std::size_t(r + 1)][std::size_t(c + 1)] = there ? surface.texel_z(i + c, j + r) : outside_z;
     }
   }
 }
@@ -27,8 +27,9 @@ Leaf::Leaf(const surface::Surface& surface, int first_i, int first_j)
 HeightRange range_over(const surface::Surface& surface, const Vec2& low, const Vec2& high) {
   using surface::Pyramid;
   const Pyramid& pyramid = surface.pyramid();
+  // Cells, counted from the first; what is outside belongs to the nearest.
   const auto cell = [&](double at, double size, int cells) {
-    return static_cast<int>(std::clamp(std::floor(at / size - 0.5) - pyramid.first_cell(), 0.0, cells - 1.0));
+    return int(std::clamp(std::floor(at / size - 0.5) - pyramid.first_cell(), 0.0, cells - 1.0));
   };
   const double w = surface.texel_u(), h = surface.texel_v();
   const int i0 = cell(low.x(), w, pyramid.columns()), i1 = cell(high.x(), w, pyramid.columns()),

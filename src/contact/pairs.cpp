@@ -1,9 +1,9 @@
 #include "contact/pairs.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
-#include "contact/leaf_walk.h"
 #include "surface/closest.h"
 
 namespace intaglio::contact {
@@ -12,126 +12,179 @@ namespace {
 
 using surface::Feature;
 
-// Which of the cells that meet there the search found does not matter to the name.
-std::uint64_t name_of(const surface::Surface& surface, const Vec3& point, Part part, int index, int child) {
-  constexpr double near = 1e-6;
-  const double x = point.x() / surface.texel_u() - 0.5, y = point.y() / surface.texel_v() - 0.5;
-  const double i = std::floor(x + near), j = std::floor(y + near);
-  const bool on_column = x - i < near, on_row = y - j < near;
-  const Where where =
-      on_column ? (on_row ? Where::corner : Where::crease_y) : (on_row ? Where::crease_x : Where::patch);
-  return feature_id(static_cast<int>(i), static_cast<int>(j), where, part, index, child);
+// Independent of which adjacent cell the search reported.
+std::uint64_t feature_at(const PairQuery& query, const Vec3& point, BodyFeature body, int index) {
+  const GridPlace place =
+      grid_place(point.x() / query.surface.texel_u() - 0.5, point.y() / query.surface.texel_v() - 0.5);
+  const ReliefFeature relief = place.on_column
+                                   ? (place.on_row ? ReliefFeature::corner : ReliefFeature::crease_y)
+                                   : (place.on_row ? ReliefFeature::crease_x : ReliefFeature::patch);
+  return feature_id(int(place.i), int(place.j), relief, body, index, query.part);
 }
 
-void add_all(const Asked& asked, std::span<const Feature> features, std::span<const Vec3> around,
-             double radius, Part part, int index) {
+void add_all(const PairQuery& query, std::span<const Feature> features, std::span<const Vec3> edges,
+             double radius, BodyFeature body, int index) {
   for (const Feature& f : features) {
-    if (!asked.surface.placement().covers(f.point)) continue;  // the texture goes on, the rectangle does not
-    const bool is_least = std::all_of(around.begin(), around.end(), [&](const Vec3& edge) {
-      return f.direction.dot(edge) >= -corner_slack;
-    });
+    // Outside the rectangle, though the texture continues.
+    if (!query.surface.placement().covers(f.point)) continue;
     const Candidate candidate{f.point, f.direction, f.distance - radius,
-                              name_of(asked.surface, f.point, part, index, asked.child)};
-    if (is_least) {
-      asked.found.add(candidate);
+                              feature_at(query, f.point, body, index)};
+    if (is_in_corner_cone(f.direction, edges)) {
+      query.found.add(candidate);
     } else if (f.distance < 0) {
-      asked.found.add_spare(candidate);
+      query.found.add_fallback(candidate);
     }
   }
 }
 
 }  // namespace
 
-void ball_pairs(const Asked& asked, const Vec3& centre, double radius, int index) {
-  std::array<Feature, ContactSet::capacity> features;
-  const std::size_t count =
-      closest_features(asked.surface, centre, radius + asked.found.limit(), min_angle, features);
-  add_all(asked, std::span(features).first(count), {}, radius, Part::round, index);
+bool is_in_corner_cone(const Vec3& direction, std::span<const Vec3> edges) {
+  return std::all_of(edges.begin(), edges.end(),
+                     [&](const Vec3& edge) { return direction.dot(edge) >= -corner_slack; });
 }
 
-void corner_pairs(const Asked& asked, const Vec3& corner, std::span<const Vec3> around, double radius,
+void sphere_pairs(const PairQuery& query, const Vec3& centre, double radius, int index) {
+  std::array<Feature, ContactSet::capacity> features;
+  const std::size_t count =
+      closest_features(query.surface, centre, radius + query.found.max_distance(), min_angle, features);
+  add_all(query, std::span(features).first(count), {}, radius, BodyFeature::smooth, index);
+}
+
+void corner_pairs(const PairQuery& query, const Vec3& corner, std::span<const Vec3> edges, double radius,
                   int index) {
-  const double limit = radius + asked.found.limit();
-  if (corner.z() > limit) return;
-  const surface::Placement& place = asked.surface.placement();
-  if (corner.x() < -limit || corner.y() < -limit || corner.x() > place.size_u() + limit ||
-      corner.y() > place.size_v() + limit)
-    return;
-  const double gap = corner.z() + asked.surface.depth(place.uv(corner));
+  const double reach = radius + query.found.max_distance();
+  if (corner.z() > reach) return;
+  const surface::Placement& place = query.surface.placement();
+  const Vec2 plan = corner.head<2>();
+  if (is_beside(place, plan, plan, reach)) return;
+  const double gap = corner.z() + query.surface.depth(place.uv(corner));
   if (gap > 0 || radius > 0) {
     std::array<Feature, 4> features;
-    const std::size_t count = closest_features(asked.surface, corner, limit, min_angle, features);
-    add_all(asked, std::span(features).first(count), around, radius, Part::vertex, index);
-  } else if (const auto nearest = closest_point(asked.surface, corner)) {
-    add_all(asked, std::span(&*nearest, 1), around, radius, Part::vertex, index);
+    const std::size_t count = closest_features(query.surface, corner, reach, min_angle, features);
+    add_all(query, std::span(features).first(count), edges, radius, BodyFeature::vertex, index);
+  } else if (const auto nearest = closest_point(query.surface, corner)) {
+    add_all(query, std::span(&*nearest, 1), edges, radius, BodyFeature::vertex, index);
   }
 }
 
-// An edge of the body against corners, creases and patches of the relief.
+bool is_plausible_exit(const surface::Surface& surface, const Vec3& p, double distance) {
+  constexpr double max_depth_ratio = 1.5;
+  const double depth_below = -surface.depth(surface.placement().uv(p)) - p.z();
+  return -distance <= max_depth_ratio * depth_below + 1e-9;
+}
+
+void add_edge_contact(const PairQuery& query, const Leaf& leaf, int index, const EdgeContact& contact) {
+  const double distance = contact.distance;
+  if (distance < -query.max_penetration || !query.surface.placement().covers(contact.point)) return;
+  if (contact.radius == 0 && distance < 0 && !is_plausible_exit(query.surface, contact.on_edge, distance))
+    return;
+  const Candidate candidate{contact.point, contact.normal, distance - contact.radius,
+                            feature_id(leaf.i + contact.c, leaf.j + contact.r, contact.feature,
+                                       BodyFeature::edge, index, query.part)};
+  if (contact.is_minimum && contact.lean <= normal_slack_at(distance, query.max_penetration)) {
+    query.found.add(candidate);
+  } else if (candidate.distance < 0) {
+    query.found.add_fallback(candidate);
+  }
+}
+
+void add_crossing(const PairQuery& query, const Leaf& leaf, int c, int r, int x, int index, const Vec3& p,
+                  double z) {
+  const double gap = p.z() - z;
+  if (gap >= 0) return;
+  const Vec3 on_relief = p - gap * Vec3::UnitZ();
+  if (!query.surface.placement().covers(on_relief)) return;
+  query.found.add_last_resort(
+      {on_relief, Vec3::UnitZ(), gap,
+       feature_id(leaf.i + c, leaf.j + r, x == 1 ? ReliefFeature::crease_x : ReliefFeature::crease_y,
+                  BodyFeature::edge, index, query.part)});
+}
+
+// A straight edge against corners, creases and patches of the relief.
 
 namespace {
 
 class EdgeSearch {
  public:
-  EdgeSearch(const Asked& asked, const StraightEdge& edge)
-      : asked_(asked),
+  EdgeSearch(const PairQuery& query, const StraightEdge& edge)
+      : query_(query),
         edge_(edge),
         along_(edge.b - edge.a),
         inverse_(1 / along_.x(), 1 / along_.y()),
         length2_(along_.squaredNorm()),
-        rod_(edge.a, edge.b, edge.radius + asked.found.limit(), asked.overlap) {}
+        bounds_(edge.a, edge.b, edge.radius + query.found.max_distance(), query.max_penetration) {}
 
   void run() {
-    if (!(length2_ > 0) || std::min(edge_.a.z(), edge_.b.z()) > rod_.reach()) return;
+    if (!(length2_ > 0) || std::min(edge_.a.z(), edge_.b.z()) > bounds_.reach()) return;
     for_each_leaf(
-        asked_.surface, rod_.low(), rod_.high(), [this](const Piece& piece) { return rod_.may_meet(piece); },
+        query_.surface, bounds_.low(), bounds_.high(),
+        [this](const SlabPiece& piece) { return bounds_.may_contain_contact(piece); },
         [this](int i, int j) {
-          const Leaf leaf(asked_.surface, i, j);
-          search_leaf(*this, leaf, texels_up(leaf, rod_));
+          const Leaf leaf(query_.surface, i, j);
+          visit_features(*this, leaf, mask_near(leaf, bounds_));
         });
   }
 
   void corner(const Leaf& leaf, int c, int r) const {
-    const Vec3 q = leaf.texel(c, r), away = q - edge_.a;
-    const double u = along_.dot(away);
+    const Vec3 q = leaf.texel(c, r), offset = q - edge_.a;
+    const double u = along_.dot(offset);
     if (u <= 0 || u >= length2_) return;
-    const Vec3 apart = u / length2_ * along_ - away;
-    const double d2 = apart.squaredNorm();
-    // On the edge itself there is no direction; creases find that.
-    if (d2 > rod_.reach() * rod_.reach() || d2 < 1e-18 || apart.z() == 0) return;
-    const double slope_x = -apart.x() / apart.z(), slope_y = -apart.y() / apart.z();
-    // Inside of a polyhedron the faces answer for it.
-    if (apart.z() < 0 && edge_.radius == 0) return;
+    const Vec3 difference = u / length2_ * along_ - offset;
+    const double d2 = difference.squaredNorm();
+    // On the edge itself the direction is undefined; the crease tests cover it.
+    if (d2 > bounds_.reach() * bounds_.reach() || d2 < 1e-18 || difference.z() == 0) return;
+    const double slope_x = -difference.x() / difference.z(), slope_y = -difference.y() / difference.z();
+    // Relief corners inside a polyhedron are handled by its faces.
+    if (difference.z() < 0 && edge_.radius == 0) return;
     const bool is_summit = leaf.is_summit(c, r, slope_x, slope_y, 0, 0);
     if (!is_summit && edge_.radius == 0) return;
-    const double d = std::copysign(std::sqrt(d2), apart.z());
-    report(leaf, c, r, Where::corner, q, apart / d, d, is_summit);
+    const double d = std::copysign(std::sqrt(d2), difference.z());
+    add({leaf, c, r, ReliefFeature::corner}, q, difference / d, d, is_summit);
   }
 
-  // From texel (c, r) to the next along x.
-  void crease_x(const Leaf& leaf, int c, int r) const {
-    const double z = leaf.at(c, r), slope_x = (leaf.at(c + 1, r) - z) / leaf.w;
-    if (!asked_.found.overlaps()) look_under(leaf, c, r, 1, 0);
-    // Of the plane that holds both directions.
-    const double slope_y = (along_.z() - along_.x() * slope_x) / along_.y();
-    const Across first{z - leaf.at(c, r - 1), leaf.at(c, r + 1) - z},
-        second{leaf.at(c + 1, r) - leaf.at(c + 1, r - 1), leaf.at(c + 1, r + 1) - leaf.at(c + 1, r)};
-    if (is_ridge(first, second, slope_y, leaf.h) && is_outward(slope_x, slope_y))
-      cross(leaf, c, r, Vec3(leaf.w, 0, leaf.at(c + 1, r) - z), first, second, slope_y, leaf.h);
-  }
-  void crease_y(const Leaf& leaf, int c, int r) const {
-    const double z = leaf.at(c, r), slope_y = (leaf.at(c, r + 1) - z) / leaf.h;
-    if (!asked_.found.overlaps()) look_under(leaf, c, r, 0, 1);
-    const double slope_x = (along_.z() - along_.y() * slope_y) / along_.x();
-    const Across first{z - leaf.at(c - 1, r), leaf.at(c + 1, r) - z},
-        second{leaf.at(c, r + 1) - leaf.at(c - 1, r + 1), leaf.at(c + 1, r + 1) - leaf.at(c, r + 1)};
-    if (is_ridge(first, second, slope_x, leaf.w) && is_outward(slope_x, slope_y))
-      cross(leaf, c, r, Vec3(0, leaf.h, leaf.at(c, r + 1) - z), first, second, slope_x, leaf.w);
+  // From texel (c, r) to (c + x, r + y).
+  void crease(const Leaf& leaf, int c, int r, int x, int y) const {
+    if (!query_.found.overlaps()) look_under(leaf, c, r, x, y);
+    const double z = leaf.at(c, r), rise = leaf.at(c + x, r + y) - z;
+    const double slope_along = rise / (x == 1 ? leaf.w : leaf.h);
+    // Slope across the crease of the plane spanned by edge and crease.
+    const int axis = 1 - x;
+    const double slope_across = (along_.z() - along_[axis] * slope_along) / along_[1 - axis];
+    const CreaseSlopes first{z - leaf.at(c - y, r - x), leaf.at(c + y, r + x) - z},
+        second{leaf.at(c + x, r + y) - leaf.at(c + x - y, r + y - x),
+               leaf.at(c + x + y, r + y + x) - leaf.at(c + x, r + y)};
+    const Crease it{leaf,
+                    c,
+                    r,
+                    x == 1 ? ReliefFeature::crease_x : ReliefFeature::crease_y,
+                    Vec3(x * leaf.w, y * leaf.h, rise),
+                    slope_across,
+                    x == 1 ? leaf.h : leaf.w,
+                    first,
+                    second};
+    const CreaseSlopes widest{std::max(first.behind, second.behind), std::min(first.ahead, second.ahead)};
+    if (is_ridge(it, widest) &&
+        (x == 1 ? is_outward(slope_along, slope_across) : is_outward(slope_across, slope_along)))
+      add_common_normal(it);
   }
 
-  // The inside of a patch: where its normal is square to the edge and points at it. Square it is on a
-  // straight line of (s, t); along that, the sign of the volume of edge, normal and what is between them
-  // changes.
+  // The inside of a patch, where its normal is square to the edge and points at it.
+  //
+  // With the rises a, b and the twist k the patch is
+  //   q(s, t) = q0 + (s w, t h, s a + t b + s t k),   0 <= s, t <= 1,
+  // and its upward normal q_s x q_t / (w h) is
+  //   m(s, t) = (-(a + t k) / w, -(b + s k) / h, 1).
+  // A common normal of patch and edge (direction e, through A) needs two things.
+  //   1. It is square to the edge: e . m = g + g_s s + g_t t = 0, with g = e_z - a e_x/w - b e_y/h,
+  //      g_s = -k e_y/h, g_t = -k e_x/w. That is linear: (s, t) is on a straight line. It is parametrised by
+  //      the coordinate that changes faster along it, and cut to the unit square.
+  //   2. The line from q along m meets the edge's: V = det[q - A, e, m] = 0. By now V has one variable;
+  //      where its signs at the ends differ, there is a root between them.
+  // Over the plan direction of the edge the height of the patch has the second derivative
+  // 2 k (e_x/w)(e_y/h). The gap below a straight edge is a minimum along it only if that is negative: the
+  // patch bends down. For an axis with a radius the sign does not decide, for the patch may curve away
+  // within that radius; either is accepted, and what is no minimum is not the deepest.
   void patch(const Leaf& leaf, int c, int r) const {
     const double z = leaf.at(c, r), a = leaf.at(c + 1, r) - z, b = leaf.at(c, r + 1) - z,
                  twist = leaf.at(c + 1, r + 1) - z - a - b;
@@ -143,7 +196,7 @@ class EdgeSearch {
     if (!(low < 0 && high > 0)) return;
     const Vec3 first = leaf.texel(c, r) - edge_.a;
     const bool by_t = std::abs(g_s) > std::abs(g_t);
-    // Which stretch of the free coordinate keeps the other within 0..1.
+    // The interval of the free coordinate that keeps the other within 0..1.
     const double slope = by_t ? -g_t / g_s : -g_s / g_t, start = by_t ? -g / g_s : -g / g_t;
     double from = 0, to = 1;
     if (slope != 0) {
@@ -159,31 +212,33 @@ class EdgeSearch {
       normal = Vec3(-(a + t * twist) / leaf.w, -(b + s * twist) / leaf.h, 1);
       return q.dot(along_.cross(normal));
     };
-    double f_from = volume(from), f_to = volume(to);
+    const double f_from = volume(from), f_to = volume(to);
     if ((f_from < 0) == (f_to < 0)) return;
-    for (int round = 0; round < 60 && std::abs(to - from) > 1e-12; ++round) {  // regula falsi, Illinois
-      const double at = to - f_to * (to - from) / (f_to - f_from);
-      const double f = volume(at);
-      if (f == 0) break;
-      if ((f < 0) == (f_to < 0)) {
-        f_from *= 0.5;
-      } else {
-        from = to;
-        f_from = f_to;
-      }
-      if (std::abs(at - to) < 1e-13) break;
-      to = at;
-      f_to = f;
-    }
+    volume(find_root(volume, from, to, f_from, f_to, 1e-12));
     normal.normalize();
     const double gap = -q.dot(normal), u = along_.dot(q + gap * normal) / length2_;
-    if (u > 0 && u < 1) report(leaf, c, r, Where::patch, edge_.a + q, normal, gap);
+    if (u > 0 && u < 1) add({leaf, c, r, ReliefFeature::patch}, edge_.a + q, normal, gap);
   }
 
  private:
-  // Where the edge crosses the crease from texel (c, r) to (c + x, r + y) in plan, an edge below shows an
-  // overlap: a crease in the body is above the edge of two of its faces somewhere, if neither of its ends is
-  // in the body.
+  // Rise over the cell behind and over the cell ahead of a crease, at one of its ends.
+  struct CreaseSlopes {
+    double behind, ahead;
+  };
+  struct Crease {
+    const Leaf& leaf;
+    int c, r;
+    ReliefFeature feature;
+    Vec3 along;
+    double slope, size;  // across it: of the plane that holds the edge, too; and of a cell
+    CreaseSlopes first, second;
+  };
+  struct ReliefPlace {
+    const Leaf& leaf;
+    int c, r;
+    ReliefFeature feature;
+  };
+
   void look_under(const Leaf& leaf, int c, int r, int x, int y) const {
     const Vec3 q = leaf.texel(c, r);
     const double u = x == 1 ? (q.y() - edge_.a.y()) * inverse_.y() : (q.x() - edge_.a.x()) * inverse_.x();
@@ -191,84 +246,66 @@ class EdgeSearch {
     const double t = x == 1 ? (edge_.a.x() + u * along_.x() - q.x()) / leaf.w
                             : (edge_.a.y() + u * along_.y() - q.y()) / leaf.h;
     if (!(t >= 0 && t <= 1)) return;
-    const double z = leaf.at(c, r) + t * (leaf.at(c + x, r + y) - leaf.at(c, r)),
-                 gap = edge_.a.z() + u * along_.z() - z;
-    if (gap >= 0) return;
-    const Vec3 on = edge_.a + u * along_ - gap * Vec3::UnitZ();
-    if (!asked_.surface.placement().covers(on)) return;
-    asked_.found.add_witness({on, Vec3::UnitZ(), gap,
-                              feature_id(leaf.i + c, leaf.j + r, x == 1 ? Where::crease_x : Where::crease_y,
-                                         Part::edge, edge_.index, asked_.child)});
+    add_crossing(query_, leaf, c, r, x, edge_.index, edge_.a + u * along_,
+                 leaf.at(c, r) + t * (leaf.at(c + x, r + y) - leaf.at(c, r)));
   }
 
-  // How the relief rises across a crease at one of its ends, from behind and ahead, a cell each.
-  struct Across {
-    double behind, ahead;
-  };
-
-  // Whether a crease may point up and hold a slope across it, somewhere between its ends. False, too, where
-  // edge and crease are parallel: the slope is infinite or no number.
-  bool is_ridge(const Across& a, const Across& b, double slope, double size, double angle = slack) const {
-    const double behind = std::max(a.behind, b.behind), ahead = std::min(a.ahead, b.ahead);
-    const double more = edge_.radius > 0 ? 0 : slope_slack(angle, slope * slope) * size;
-    return behind - ahead > flat_bend * size && slope * size <= behind + more && slope * size >= ahead - more;
+  // Whether the crease is convex and its slope across lies between those of its two flanks. False, too, where
+  // edge and crease are parallel: the slope is infinite or NaN.
+  bool is_ridge(const Crease& crease, const CreaseSlopes& flanks, double angle = normal_slack) const {
+    const double slope = crease.slope, size = crease.size;
+    const double slack = edge_.radius > 0 ? 0 : slope_slack(angle, slope * slope) * size;
+    return flanks.behind - flanks.ahead > flat_bend * size && slope * size <= flanks.behind + slack &&
+           slope * size >= flanks.ahead - slack;
   }
-  // Whether the body's normals at the edge hold the relief's normal of these slopes, turned round.
+  // Whether the opposite of the relief's normal at these slopes lies in the edge's normal cone.
   bool is_outward(double slope_x, double slope_y) const {
     const Vec3 upward(-slope_x, -slope_y, 1);
     return std::all_of(edge_.inward.begin(), edge_.inward.end(), [&](const Vec3& inward) {
       const double sine = upward.dot(inward);
-      return sine >= 0 || sine * sine <= slack * slack * upward.squaredNorm();
+      return sine >= 0 || sine * sine <= normal_slack * normal_slack * upward.squaredNorm();
     });
   }
-  // The common perpendicular, pointing up, where both lines are within their ends.
-  void cross(const Leaf& leaf, int c, int r, const Vec3& crease, const Across& first, const Across& second,
-             double slope, double size) const {
-    const Vec3 turned = along_.cross(crease);
-    const double norm2 = turned.squaredNorm();
-    if (!(turned.z() * turned.z() > 1e-12 * norm2) || norm2 < 1e-20 * length2_ * crease.squaredNorm()) return;
-    const Vec3 q = leaf.texel(c, r), away = q - edge_.a;
-    const double u = away.cross(crease).dot(turned) / norm2, t = away.cross(along_).dot(turned) / norm2;
+  // The common perpendicular, pointing up, where it meets both edge and crease between their ends.
+  void add_common_normal(const Crease& crease) const {
+    const Vec3 up = along_.cross(crease.along);
+    const double norm2 = up.squaredNorm();
+    if (!(up.z() * up.z() > 1e-12 * norm2) || norm2 < 1e-20 * length2_ * crease.along.squaredNorm()) return;
+    const Vec3 q = crease.leaf.texel(crease.c, crease.r), offset = q - edge_.a;
+    const double u = offset.cross(crease.along).dot(up) / norm2, t = offset.cross(along_).dot(up) / norm2;
     if (!(u >= 0 && u <= 1 && t >= 0 && t <= 1)) return;
-    const Across there{first.behind + t * (second.behind - first.behind),
-                       first.ahead + t * (second.ahead - first.ahead)};
-    const Vec3 normal = std::copysign(1 / std::sqrt(norm2), turned.z()) * turned, on = q + t * crease;
+    const CreaseSlopes &first = crease.first, &second = crease.second;
+    const CreaseSlopes flanks{first.behind + t * (second.behind - first.behind),
+                              first.ahead + t * (second.ahead - first.ahead)};
+    const Vec3 normal = std::copysign(1 / std::sqrt(norm2), up.z()) * up, on = q + t * crease.along;
     const double distance = (edge_.a + u * along_ - on).dot(normal);
-    if (!is_ridge(there, there, slope, size)) return;
-    const bool is_least = is_ridge(there, there, slope, size, slack_at(distance, asked_.overlap));
-    report(leaf, c, r, crease.x() > 0 ? Where::crease_x : Where::crease_y, on, normal, distance, is_least);
+    if (!is_ridge(crease, flanks)) return;
+    const bool is_minimum = is_ridge(crease, flanks, normal_slack_at(distance, query_.max_penetration));
+    add({crease.leaf, crease.c, crease.r, crease.feature}, on, normal, distance, is_minimum);
   }
 
-  // If the body's normals at the edge hold -normal it is a contact; if nearly, and deep, a way out at least.
-  void report(const Leaf& leaf, int c, int r, Where where, const Vec3& q, const Vec3& normal, double distance,
-              bool is_least = true) const {
-    if (distance < -asked_.overlap || !asked_.surface.placement().covers(q)) return;
-    double leaning = 0;
-    for (const Vec3& inward : edge_.inward) leaning = std::max(leaning, -normal.dot(inward));
-    if (leaning > slack) return;
-    if (edge_.radius == 0 && distance < 0 && !is_way_out(asked_.surface, q + distance * normal, distance))
-      return;
-    const Candidate met{q, normal, distance - edge_.radius,
-                        feature_id(leaf.i + c, leaf.j + r, where, Part::edge, edge_.index, asked_.child)};
-    if (is_least && leaning <= slack_at(distance, asked_.overlap)) {
-      asked_.found.add(met);
-    } else if (met.distance < 0) {
-      asked_.found.add_spare(met);
-    }
+  void add(const ReliefPlace& place, const Vec3& q, const Vec3& normal, double distance,
+           bool is_minimum = true) const {
+    double lean = 0;
+    for (const Vec3& inward : edge_.inward) lean = std::max(lean, -normal.dot(inward));
+    if (lean > normal_slack) return;
+    add_edge_contact(query_, place.leaf, edge_.index,
+                     {place.feature, place.c, place.r, q, normal, q + distance * normal, distance,
+                      edge_.radius, lean, is_minimum});
   }
 
-  const Asked& asked_;
+  const PairQuery& query_;
   const StraightEdge& edge_;
   Vec3 along_;
-  Vec2 inverse_;  // of its parts; infinite where there is none
+  Vec2 inverse_;  // componentwise inverse of along_; may be infinite
   double length2_;
-  Rod rod_;
+  EdgeBounds bounds_;
 };
 
 }  // namespace
 
-void edge_pairs(const Asked& asked, const StraightEdge& edge) {
-  EdgeSearch(asked, edge).run();
+void edge_pairs(const PairQuery& query, const StraightEdge& edge) {
+  EdgeSearch(query, edge).run();
 }
 
 }  // namespace intaglio::contact

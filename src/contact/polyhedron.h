@@ -1,16 +1,13 @@
-// A closed polyhedron in the body frame: what contact needs of a convex hull or of a concave mesh.
+// A closed polyhedron in the body frame: what contact queries use for convex hulls and concave meshes.
 //
 // Metres; faces are planar polygons, counter-clockwise seen from outside. Built once by `convex_hull` or
-// `closed_mesh`, which say in one line why something cannot be built; immutable afterwards, so any thread may
-// read it.
+// `closed_mesh`, which return an error of one line when it cannot be built; immutable afterwards, so any
+// thread may read it.
 #pragma once
 
 #include <array>
-#include <map>
 #include <memory>
 #include <span>
-#include <string>
-#include <utility>
 #include <vector>
 
 #include "intaglio/error.h"
@@ -30,11 +27,11 @@ struct Polyhedron {
     int left, right;  // faces
   };
   bool convex = true;
-  double radius = 0;  // how far the farthest vertex is from the origin
+  double radius = 0;  // distance of the farthest vertex from the origin
   std::vector<Vec3> vertices;
   std::vector<Face> faces;
   std::vector<int> loop;    // the faces' vertices, one face after the other
-  std::vector<Edge> edges;  // where faces meet at an angle that points outwards; the others touch nothing
+  std::vector<Edge> edges;  // convex edges only; others cannot make contact
   // The vertices around vertex k, neighbours[first_neighbour[k]] up to first_neighbour[k + 1].
   std::vector<int> neighbours, first_neighbour;
 };
@@ -43,29 +40,21 @@ struct Polyhedron {
 
 namespace intaglio::contact {
 
-using intaglio::max_hull_points;
-using intaglio::max_mesh_triangles;
 using intaglio::Polyhedron;
 
-// The convex hull of points: faces that share a plane are one face. Errors: fewer than four points that are
-// not in one plane, numbers that are not finite, more than max_hull_points corners. Cost: milliseconds.
+// The convex hull of any number of points. Coplanar triangles are one face; vertices keep the order of the
+// points. Errors: points in one plane or fewer than four, numbers that are not finite, more than
+// max_hull_points corners. Cost: milliseconds. By Qhull: Barber, Dobkin & Huhdanpaa, "The quickhull
+// algorithm for convex hulls", 1996.
 Result<std::shared_ptr<const Polyhedron>> convex_hull(std::span<const Vec3> points);
 
-// A closed mesh of triangles, counter-clockwise seen from outside, concave as it may be. Errors: an index out
-// of range, a triangle without area, an edge that does not belong to two triangles that run along it in
-// opposite directions, inside out, more than max_mesh_triangles.
+// A closed mesh of triangles, counter-clockwise seen from outside; it may be concave. Errors: an index out of
+// range, a triangle without area, an edge that does not belong to two triangles that run along it in opposite
+// directions, inside out, more than max_mesh_triangles.
 Result<std::shared_ptr<const Polyhedron>> closed_mesh(std::span<const Vec3> vertices,
                                                       std::span<const std::array<int, 3>> triangles);
 
-// From faces to the edges and neighbours of a polyhedron. Internal to contact/.
-
-// Half edges (from, to) and the face to their left.
-using HalfEdges = std::map<std::pair<int, int>, int>;
-
-// Half edges of all loops; an error when one belongs to two faces or has no partner the other way.
-Result<HalfEdges> half_edges(const Polyhedron& form, const std::string& what);
-
-// Fills edges, neighbours and radius from vertices, faces and loop.
-void link(Polyhedron& form, const HalfEdges& half);
+// A cube of side 2 around the origin. Internal to contact/.
+Polyhedron make_cube();
 
 }  // namespace intaglio::contact

@@ -1,6 +1,7 @@
 #include "contact/relief_relief.h"
 
 #include <algorithm>
+#include <array>
 
 #include "contact/leaf_walk.h"
 #include "contact/pairs.h"
@@ -12,7 +13,7 @@ namespace intaglio::contact {
 namespace {
 
 // The local frame of one placement as the other's sees it.
-Frame seen_from(const PlacedSurface& one, const PlacedSurface& other) {
+Frame seen_from(const PosedSurface& one, const PosedSurface& other) {
   const auto axis = [&](int k) {
     const Vec3 world =
         one.pose.orientation.normalized() * one.surface.placement().direction_to_world(Vec3::Unit(k));
@@ -28,67 +29,74 @@ Frame seen_from(const PlacedSurface& one, const PlacedSurface& other) {
   return frame;
 }
 
-// Of a corner: where the other relief is nearest.
-struct Met {
+// A corner of one relief and the nearest feature of the other.
+struct CornerContact {
   int i, j;     // the corner's texel
-  Vec3 corner;  // frame of the other
+  Vec3 corner;  // in the other's frame
   surface::Feature feature;
 };
 
-class CornerSearch {
+// The corners and creases of one relief that are within reach of the other.
+class FeatureSearch {
  public:
   // `frame` takes points of `from` to the frame of `onto`.
-  CornerSearch(const surface::Surface& from, const surface::Surface& onto, const Frame& frame, double overlap,
-               Candidates& found)
-      : from_(from), onto_(onto), frame_(frame), overlap_(overlap), found_(found) {}
+  FeatureSearch(const surface::Surface& from, const surface::Surface& onto, const Frame& frame,
+                double max_penetration, const Candidates& found)
+      : from_(from), onto_(onto), frame_(frame), max_penetration_(max_penetration), found_(found) {}
 
-  // Calls add(Met) for every corner that is within reach.
+  // Calls add(CornerContact) for every corner.
   template <class Add>
-  void run(const Add& add) const {
-    walk([&](const Leaf& leaf) { visit(leaf, add); });
-  }
-  // Calls ask(a, b, inward, i, j, along x or y) for every crease that may be within reach.
-  template <class Ask>
-  void run_creases(const Ask& ask) const {
-    walk([&](const Leaf& leaf) {
+  void for_each_corner(const Add& add) const {
+    visit_leaves([&](const Leaf& leaf) {
       for (int r = leaf.begin_r; r < leaf.end_r; ++r) {
         for (int c = leaf.begin_c; c < leaf.end_c; ++c) {
-          if (c < leaf.last_c) crease(leaf, c, r, 1, 0, ask);
-          if (r < leaf.last_r) crease(leaf, c, r, 0, 1, ask);
+          if (leaf.is_convex(c, r)) corner(leaf, c, r, add);
+        }
+      }
+    });
+  }
+  // Calls add(from, to, inward, index) for every crease; from, to and the directions of its flanks in the
+  // other's frame.
+  template <class Add>
+  void for_each_crease(const Add& add) const {
+    visit_leaves([&](const Leaf& leaf) {
+      for (int r = leaf.begin_r; r < leaf.end_r; ++r) {
+        for (int c = leaf.begin_c; c < leaf.end_c; ++c) {
+          if (c < leaf.last_c) crease(leaf, c, r, 1, 0, add);
+          if (r < leaf.last_r) crease(leaf, c, r, 0, 1, add);
         }
       }
     });
   }
 
  private:
+  double reach() const { return std::max(found_.max_distance(), max_penetration_); }
+
   // Whether a piece may come within reach of the other relief: over the rectangle, and not far above or
   // below.
-  bool wanted(const Piece& piece) const {
+  bool may_reach(const SlabPiece& piece) const {
     const Vec3 middle = frame_(piece.middle);
-    const double radius =
-        0.5 * (piece.side_x + piece.side_y).norm() + 0.5 * (piece.side_x - piece.side_y).norm() + piece.play;
-    const double reach = radius + std::max(found_.limit(), overlap_);
-    const surface::Placement& place = onto_.placement();
-    if (middle.x() < -reach || middle.y() < -reach || middle.x() > place.size_u() + reach ||
-        middle.y() > place.size_v() + reach)
-      return false;
-    const Vec2 at = middle.head<2>(), aside = Vec2::Constant(reach);
-    const HeightRange range = range_over(onto_, at - aside, at + aside);
-    return middle.z() <= range.high + reach && middle.z() >= range.low - reach;
+    const double radius = 0.5 * (piece.side_x + piece.side_y).norm() +
+                          0.5 * (piece.side_x - piece.side_y).norm() + piece.half_thickness;
+    const double around = radius + reach();
+    const Vec2 at = middle.head<2>();
+    if (is_beside(onto_.placement(), at, at, around)) return false;
+    const HeightRange range = range_around(onto_, at, around);
+    return middle.z() <= range.high + around && middle.z() >= range.low - around;
   }
 
   template <class Visit>
-  void walk(const Visit& visit_leaf) const {
+  void visit_leaves(const Visit& visit) const {
     const surface::Placement& place = from_.placement();
     for_each_leaf(
         from_, Vec2::Zero(), Vec2(place.size_u(), place.size_v()),
-        [this](const Piece& piece) { return wanted(piece); },
-        [&](int i, int j) { visit_leaf(Leaf(from_, i, j)); });
+        [this](const SlabPiece& piece) { return may_reach(piece); },
+        [&](int i, int j) { visit(Leaf(from_, i, j)); });
   }
 
   // From texel (c, r) to (c + x, r + y), with the directions of its flanks half way along.
-  template <class Ask>
-  void crease(const Leaf& leaf, int c, int r, int x, int y, const Ask& ask) const {
+  template <class Add>
+  void crease(const Leaf& leaf, int c, int r, int x, int y, const Add& add) const {
     const auto rise = [&](int side) {
       return 0.5 * (leaf.at(c + side * y, r + side * x) + leaf.at(c + x + side * y, r + y + side * x) -
                     leaf.at(c, r) - leaf.at(c + x, r + y));
@@ -98,28 +106,17 @@ class CornerSearch {
     const Vec3 from = frame_(leaf.texel(c, r)), to = frame_(leaf.texel(c + x, r + y)),
                along = (to - from).normalized();
     const Vec3 middle = 0.5 * (from + to);
-    const double reach = std::max(found_.limit(), overlap_) + 0.5 * (to - from).norm();
-    const Vec2 at = middle.head<2>(), aside = Vec2::Constant(reach);
-    if (middle.z() > range_over(onto_, at - aside, at + aside).high + reach) return;
+    const double around = reach() + 0.5 * (to - from).norm();
+    if (middle.z() > range_around(onto_, middle.head<2>(), around).high + around) return;
     const auto flank = [&](int side) {
       const Vec3 d = frame_.axes * Vec3(side * y * across, side * x * across, rise(side));
       return Vec3((d - d.dot(along) * along).normalized());
     };
     const std::array<Vec3, 2> inward = {flank(-1), flank(1)};
-    ask(from, to, inward, leaf.i + c, leaf.j + r, y);
-  }
-
-  template <class Add>
-  void visit(const Leaf& leaf, const Add& add) const {
-    for (int r = leaf.begin_r; r < leaf.end_r; ++r) {
-      for (int c = leaf.begin_c; c < leaf.end_c; ++c) {
-        const double z = 2 * leaf.at(c, r);
-        if (leaf.at(c - 1, r) + leaf.at(c + 1, r) - z > -flat_bend * leaf.w ||
-            leaf.at(c, r - 1) + leaf.at(c, r + 1) - z > -flat_bend * leaf.h)
-          continue;
-        corner(leaf, c, r, add);
-      }
-    }
+    // 181 is about sqrt(2^15): spreads (i, j) over the 16 bits that an id has; collisions are possible above
+    // 181 columns.
+    const int crease_index = 2 * (leaf.i + c + 181 * (leaf.j + r)) + y;
+    add(from, to, inward, crease_index);
   }
 
   template <class Add>
@@ -128,65 +125,62 @@ class CornerSearch {
     const surface::Placement& place = onto_.placement();
     if (!place.covers(at)) return;
     const double gap = at.z() + onto_.depth(place.uv(at));
-    const double reach = gap < 0 ? overlap_ : found_.limit();
+    const double max_distance = gap < 0 ? max_penetration_ : found_.max_distance();
     std::array<surface::Feature, 1> nearest;
-    if (closest_features(onto_, at, reach, min_angle, nearest) == 0 || !place.covers(nearest[0].point))
+    if (closest_features(onto_, at, max_distance, min_angle, nearest) == 0 || !place.covers(nearest[0].point))
       return;
-    // The corner's own normals must hold the other's, turned round.
+    // The opposite of the other relief's normal must lie in the corner's normal cone.
     const Vec3 normal = frame_.axes.transpose() * -nearest[0].direction;
     if (!(normal.z() > 1e-3)) return;
-    const double x = -normal.x() / normal.z(), y = -normal.y() / normal.z();
-    const double angle = slack_at(nearest[0].distance, overlap_);
-    if (leaf.is_summit(c, r, x, y, slope_slack(angle, x * x), slope_slack(angle, y * y)))
-      add(Met{leaf.i + c, leaf.j + r, at, nearest[0]});
+    if (leaf.is_summit_along(c, r, normal, normal_slack_at(nearest[0].distance, max_penetration_)))
+      add(CornerContact{leaf.i + c, leaf.j + r, at, nearest[0]});
   }
 
   const surface::Surface &from_, &onto_;
   const Frame& frame_;
-  double overlap_;
-  Candidates& found_;
+  double max_penetration_;
+  const Candidates& found_;
 };
 
-bool is_askable(const PlacedSurface& one) {
+bool is_valid(const PosedSurface& one) {
   return is_rigid(one.pose) && one.surface.has_depth();
 }
 
 }  // namespace
 
-ContactSet relief_relief_contacts(const PlacedSurface& body, const PlacedSurface& ground, double margin) {
+ContactSet relief_relief_contacts(const PosedSurface& body, const PosedSurface& ground, double margin) {
   ContactSet set;
-  if (!is_askable(body) || !is_askable(ground)) {
+  if (!is_valid(body) || !is_valid(ground)) {
     set.status = is_rigid(body.pose) && is_rigid(ground.pose) ? status::no_size : status::bad_pose;
     return set;
   }
   const surface::Placement& place = ground.surface.placement();
   const double side = std::min(place.size_u(), place.size_v());
-  if (!(margin <= side)) set.status |= status::wide_margin;
-  margin = margin > 0 ? std::min(margin, side) : 0;
-  const Frame there = seen_from(body, ground), back = seen_from(ground, body);
-  if (there.origin.norm() > 1e5 * side) {
+  set.status |= limit_margin(margin, side);
+  const Frame body_to_ground = seen_from(body, ground), ground_to_body = seen_from(ground, body);
+  if (is_far(body_to_ground.origin, side)) {
     set.status |= status::far;
     return set;
   }
-  const double overlap = std::max({margin, ground.surface.texel_u(), ground.surface.texel_v(),
-                                   body.surface.texel_u(), body.surface.texel_v()});
+  const double max_penetration = std::max({margin, ground.surface.texel_u(), ground.surface.texel_v(),
+                                           body.surface.texel_u(), body.surface.texel_v()});
   Candidates found(margin);
-  CornerSearch(body.surface, ground.surface, there, overlap, found).run([&](const Met& met) {
-    found.add({met.feature.point, met.feature.direction, met.feature.distance,
-               feature_id(met.i, met.j, Where::corner, Part::vertex, 0, 0)});
+  const FeatureSearch of_body(body.surface, ground.surface, body_to_ground, max_penetration, found),
+      of_ground(ground.surface, body.surface, ground_to_body, max_penetration, found);
+  of_body.for_each_corner([&](const CornerContact& contact) {
+    found.add({contact.feature.point, contact.feature.direction, contact.feature.distance,
+               feature_id(contact.i, contact.j, ReliefFeature::corner, BodyFeature::vertex, 0, 0)});
   });
-  CornerSearch(ground.surface, body.surface, back, overlap, found).run([&](const Met& met) {
-    found.add({there(met.corner), there.axes * -met.feature.direction, met.feature.distance,
-               feature_id(met.i, met.j, Where::corner, Part::face, 0, 0)});
+  of_ground.for_each_corner([&](const CornerContact& contact) {
+    found.add({body_to_ground(contact.corner), body_to_ground.axes * -contact.feature.direction,
+               contact.feature.distance,
+               feature_id(contact.i, contact.j, ReliefFeature::corner, BodyFeature::face, 0, 0)});
   });
-  const Asked asked{ground.surface, 0, overlap, found};
-  CornerSearch(body.surface, ground.surface, there, overlap, found)
-      .run_creases(
-          [&](const Vec3& a, const Vec3& b, const std::array<Vec3, 2>& inward, int i, int j, int along) {
-            edge_pairs(asked, {a, b, inward, 0, 2 * (i + 181 * j) + along});
-          });
-  if (found.overflowed()) set.status |= status::limit;
-  found.choose(ground.surface, set);
+  const PairQuery query{ground.surface, 0, max_penetration, found};
+  of_body.for_each_crease([&](const Vec3& a, const Vec3& b, const std::array<Vec3, 2>& inward, int index) {
+    edge_pairs(query, {a, b, inward, 0, index});
+  });
+  found.select(ground.surface, set);
   for (std::size_t k = 0; k < set.count; ++k) {
     ContactPoint& c = set.points[k];
     c.point = ground.pose.orientation.normalized() * c.point + ground.pose.position;

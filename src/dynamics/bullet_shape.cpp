@@ -68,8 +68,8 @@ Hull reduced_hull(const std::vector<Vec3>& points) {
   computer.compute(points.front().data(), int(sizeof(Vec3)), int(points.size()), 0, 0);
   const contact::MassProperties whole = mass_properties(computer);
   std::vector<Vec3> kept;
-  for (int k = 0; k < int(contact::max_hull_points); ++k) {
-    const Vec3 direction = spiral_direction(k, int(contact::max_hull_points));
+  for (int k = 0; k < int(max_hull_points); ++k) {
+    const Vec3 direction = spiral_direction(k, int(max_hull_points));
     kept.push_back(*std::max_element(points.begin(), points.end(), [&](const Vec3& a, const Vec3& b) {
       return a.dot(direction) < b.dot(direction);
     }));
@@ -80,7 +80,7 @@ Hull reduced_hull(const std::vector<Vec3>& points) {
   const double scale = std::cbrt(std::abs(whole.volume) / volume);
   if (!(scale < max_scale))
     return fail("convex hull", "its volume needs too many corners",
-                fmt::format("{} corners at most", contact::max_hull_points));
+                fmt::format("{} corners at most", max_hull_points));
   for (Vec3& p : kept) p = whole.centre + scale * (p - whole.centre);
   return contact::convex_hull(kept);
 }
@@ -89,7 +89,7 @@ Hull make_hull(const std::vector<Vec3>& points) {
   Hull hull = contact::convex_hull(points);
   const bool are_finite =
       std::all_of(points.begin(), points.end(), [](const Vec3& p) { return p.allFinite(); });
-  return hull || points.size() <= contact::max_hull_points || !are_finite ? hull : reduced_hull(points);
+  return hull || points.size() <= max_hull_points || !are_finite ? hull : reduced_hull(points);
 }
 
 // The hulls made last. Bullet makes a new collision algorithm, which needs the hull, whenever a pair comes
@@ -292,7 +292,7 @@ double reach(const ShapeBody& body) {
 }
 
 double texel(const ShapeBody& body) {
-  if (body.skin) return body.skin->texel();
+  if (body.skin) return body.skin->texel_size();
   double least = 0;
   for (const auto& face : body.faces) {
     const double own = std::min(face->texel_u(), face->texel_v());

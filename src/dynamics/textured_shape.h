@@ -158,7 +158,7 @@ class CurvedShape : public TexturedShapeBase {
   contact::ContactSet contacts(const contact::Shape& body, const Pose& pose, double margin) const override;
   std::optional<TextureSite> site(const contact::ContactPoint& c) const override;
   std::optional<TextureSite> site_at(const Vec3& point) const override;
-  double texel() const override { return relief_.texel(); }
+  double texel() const override { return relief_.texel_size(); }
 
   // For the volume inside a closed mesh, its corners moved to the relief; zero for an open mesh.
   contact::MassProperties mass_properties() const;

@@ -72,7 +72,7 @@ std::optional<ClosestPoint> CurvedSurface::closest(const Vec3& point, double rea
   const auto found = surface::closest_point(impl_->relief, point, reach);
   if (!found) return std::nullopt;
   return ClosestPoint{found->distance, found->point, found->direction,
-                      impl_->relief.under(found->triangle, found->weights).uv};
+                      impl_->relief.base_below(found->triangle, found->weights).uv};
 }
 
 namespace surface {

@@ -1,9 +1,9 @@
 #include "mesh/gltf_file.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <fmt/format.h>
 
 #include "mesh/gltf_json.h"
 #include "mesh/mesh_file.h"
@@ -44,46 +44,46 @@ bool allowed(GltfBuffers::Component component, int type, bool normalised) {
 
 }  // namespace
 
-std::uint32_t Elements::unsigned_at(std::size_t k, std::size_t c) const {
+std::uint32_t Accessor::unsigned_at(std::size_t k, std::size_t c) const {
   std::uint32_t value = 0;
   for (std::size_t byte = 0; byte < component_bytes; ++byte)  // little-endian, whatever the machine
-    value |= static_cast<std::uint32_t>(bytes[k * stride + c * component_bytes + byte]) << (8 * byte);
+    value |= std::uint32_t(bytes[k * stride + c * component_bytes + byte]) << (8 * byte);
   return value;
 }
 
-double Elements::fraction(std::size_t k, std::size_t c) const {
+double Accessor::value(std::size_t k, std::size_t c) const {
   const std::uint32_t bits = unsigned_at(k, c);
   if (component_type == unsigned_byte) return bits / 255.0;
   if (component_type == unsigned_short) return bits / 65535.0;
   float value = 0;
   std::memcpy(&value, &bits, sizeof value);
-  return static_cast<double>(value);
+  return double(value);
 }
 
-std::size_t Elements::index(std::size_t k) const {
+std::size_t Accessor::index(std::size_t k) const {
   return unsigned_at(k, 0);
 }
 
-GltfBuffers::GltfBuffers(JsonValue root, std::span<const std::uint8_t> glb_chunk, SideBuffers side_buffers)
+GltfBuffers::GltfBuffers(JsonValue root, std::span<const std::uint8_t> glb_chunk, BufferLoader load_buffer)
     : root_(std::move(root)),
       glb_chunk_(glb_chunk),
-      side_buffers_(std::move(side_buffers)),
+      load_buffer_(std::move(load_buffer)),
       loaded_(root_["buffers"].size()) {}
 
 std::vector<std::uint8_t> GltfBuffers::load(const JsonValue& json) {
   const JsonValue uri = json["uri"];
-  const std::string text = uri.text();
+  const std::string text = uri.string();
   if (auto bytes = data_uri(text)) return std::move(*bytes);
-  const auto name = side_file(text);
+  const auto name = relative_file(text);
   if (!name) {
-    uri.fail("is " + printable(text), "a buffer is base64 data or a file beside this one");
+    uri.fail("is " + printable(text), "use embedded base64 data or a file in the same folder");
     return {};
   }
-  if (!side_buffers_) {
-    uri.fail("names a side file", "only embedded buffers can be read from memory");
+  if (!load_buffer_) {
+    uri.fail("refers to an external file", "only embedded buffers can be read from memory");
     return {};
   }
-  auto bytes = side_buffers_(*name, max_mesh_file_bytes - loaded_bytes_);
+  auto bytes = load_buffer_(*name, max_mesh_file_bytes - loaded_bytes_);
   if (bytes) return std::move(*bytes);
   uri.fail(bytes.error().message());
   return {};
@@ -101,16 +101,15 @@ std::span<const std::uint8_t> GltfBuffers::buffer(std::size_t index) {
     }
     bytes = *loaded;
   }
-  const std::size_t length = json["byteLength"].required_whole(max_mesh_file_bytes);
+  const std::size_t length = json["byteLength"].required_integer(max_mesh_file_bytes);
   if (length > bytes.size()) {
-    json.fail(fmt::format("has {} bytes of the {} that it declares", bytes.size(), length),
-              "is the file cut off?");
+    json.fail(fmt::format("declares {} bytes but has {}", length, bytes.size()), "is the file cut off?");
     return {};
   }
   return bytes.first(length);
 }
 
-Elements GltfBuffers::elements(std::size_t index, const char* type, std::size_t components,
+Accessor GltfBuffers::accessor(std::size_t index, const char* type, std::size_t components,
                                Component component) {
   const JsonValue json = root_["accessors"][index];
   if (!json) return {};
@@ -118,36 +117,36 @@ Elements GltfBuffers::elements(std::size_t index, const char* type, std::size_t 
     json.fail("is sparse or has no data", "export without sparse accessors");
     return {};
   }
-  Elements elements;
-  elements.component_type = static_cast<int>(json["componentType"].required_whole(65535));
-  elements.component_bytes = bytes_of(elements.component_type);
-  if (json["type"].text() != type ||
-      !allowed(component, elements.component_type, json["normalized"].truth(false))) {
+  Accessor accessor;
+  accessor.component_type = int(json["componentType"].required_integer(65535));
+  accessor.component_bytes = bytes_of(accessor.component_type);
+  if (json["type"].string() != type ||
+      !allowed(component, accessor.component_type, json["normalized"].boolean(false))) {
     json.fail("has the wrong type for its use", fmt::format("{} of a type that glTF 2.0 allows there", type));
     return {};
   }
-  const JsonValue view = root_["bufferViews"][json["bufferView"].required_whole(max_mesh_file_bytes)];
+  const JsonValue view = root_["bufferViews"][json["bufferView"].required_integer(max_mesh_file_bytes)];
   if (!view) return {};
-  const auto bytes = buffer(view["buffer"].required_whole(max_mesh_file_bytes));
-  const std::size_t begin = view["byteOffset"].whole(0, max_mesh_file_bytes);
-  const std::size_t length = view["byteLength"].required_whole(max_mesh_file_bytes);
-  const std::size_t offset = json["byteOffset"].whole(0, max_mesh_file_bytes);
-  const std::size_t element = components * elements.component_bytes;
-  elements.stride = view["byteStride"].whole(element, max_stride);
-  elements.count = json["count"].required_whole(max_mesh_file_bytes);
-  // All of these are at most 2^28 and the stride 252: no sum or product below overflows 64 bits.
+  const auto bytes = buffer(view["buffer"].required_integer(max_mesh_file_bytes));
+  const std::size_t begin = view["byteOffset"].integer(0, max_mesh_file_bytes);
+  const std::size_t length = view["byteLength"].required_integer(max_mesh_file_bytes);
+  const std::size_t offset = json["byteOffset"].integer(0, max_mesh_file_bytes);
+  const std::size_t element = components * accessor.component_bytes;
+  accessor.stride = view["byteStride"].integer(element, max_stride);
+  accessor.count = json["count"].required_integer(max_mesh_file_bytes);
+  // All of these are at most 2^28 and the stride at most 252: no sum or product below overflows 64 bits.
   if (begin + length > bytes.size()) {
     view.fail(fmt::format("ends at byte {} of a buffer of {}", begin + length, bytes.size()));
     return {};
   }
-  if (elements.stride < element || elements.count == 0 ||
-      offset + (elements.count - 1) * elements.stride + element > length) {
-    json.fail(fmt::format("asks for {} elements, more than its buffer view of {} bytes holds", elements.count,
-                          length));
+  if (accessor.stride < element || accessor.count == 0 ||
+      offset + (accessor.count - 1) * accessor.stride + element > length) {
+    json.fail(
+        fmt::format("needs {} elements, more than fit its buffer view of {} bytes", accessor.count, length));
     return {};
   }
-  elements.bytes = bytes.subspan(begin + offset, length - offset);
-  return elements;
+  accessor.bytes = bytes.subspan(begin + offset, length - offset);
+  return accessor;
 }
 
 // glTF 2.0: the container, the scene's nodes, and the triangles of their meshes.
@@ -156,31 +155,31 @@ namespace {
 
 using Transform = Eigen::Affine3d;
 
-constexpr std::size_t max_list = max_mesh_file_bytes;  // any index: none can be larger than the file
-constexpr int max_depth = 64;                          // of the tree of nodes
+constexpr std::size_t max_index = max_mesh_file_bytes;  // no index can be larger than the file
+constexpr int max_node_depth = 64;
 constexpr int triangles_mode = 4;
 
-struct Chunks {
+struct GlbChunks {
   std::span<const std::uint8_t> json, binary;
 };
 
 std::uint32_t little_endian(std::span<const std::uint8_t> bytes, std::size_t at) {
-  return bytes[at] | static_cast<std::uint32_t>(bytes[at + 1]) << 8 |
-         static_cast<std::uint32_t>(bytes[at + 2]) << 16 | static_cast<std::uint32_t>(bytes[at + 3]) << 24;
+  return bytes[at] | std::uint32_t(bytes[at + 1]) << 8 | std::uint32_t(bytes[at + 2]) << 16 |
+         std::uint32_t(bytes[at + 3]) << 24;
 }
 
 // A GLB is a header of 12 bytes, then chunks of length, type, bytes: first JSON, then perhaps BIN.
-Result<Chunks> split(std::span<const std::uint8_t> bytes, const std::string& name) {
+Result<GlbChunks> split_glb(std::span<const std::uint8_t> bytes, const std::string& name) {
   constexpr std::uint32_t glb_magic = 0x46546c67, json_type = 0x4e4f534a, binary_type = 0x004e4942;
-  if (bytes.size() < 4 || little_endian(bytes, 0) != glb_magic) return Chunks{bytes, {}};
-  if (bytes.size() < 20) return fail(name, "is a GLB file that ends in its header", "is the file cut off?");
+  if (bytes.size() < 4 || little_endian(bytes, 0) != glb_magic) return GlbChunks{bytes, {}};
+  if (bytes.size() < 20) return fail(name, "is truncated inside its GLB header", "is the file cut off?");
   if (little_endian(bytes, 4) != 2)
-    return fail(name, fmt::format("is GLB version {}", little_endian(bytes, 4)), "version 2 is read");
+    return fail(name, fmt::format("is GLB version {}", little_endian(bytes, 4)),
+                "only version 2 is supported");
   if (little_endian(bytes, 8) > bytes.size())
-    return fail(name,
-                fmt::format("has {} bytes of the {} that it declares", bytes.size(), little_endian(bytes, 8)),
+    return fail(name, fmt::format("declares {} bytes but has {}", little_endian(bytes, 8), bytes.size()),
                 "is the file cut off?");
-  Chunks chunks;
+  GlbChunks chunks;
   for (std::size_t at = 12; at + 8 <= bytes.size();) {
     const std::size_t length = little_endian(bytes, at);
     if (length > bytes.size() - at - 8)
@@ -194,80 +193,81 @@ Result<Chunks> split(std::span<const std::uint8_t> bytes, const std::string& nam
   return chunks;
 }
 
-// The JSON of the file, without exceptions; nesting is bounded because each level costs memory many times its
-// text.
+// The JSON of the file, without exceptions; nesting is bounded, since each level costs many times its text in
+// memory.
 nlohmann::json parse_json(std::span<const std::uint8_t> text) {
-  constexpr int deepest = 100;
-  const auto shallow = [](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
-    return depth <= deepest;
+  constexpr int max_json_depth = 100;
+  const auto limit_depth = [](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
+    return depth <= max_json_depth;
   };
-  return nlohmann::json::parse(text.begin(), text.end(), shallow, false);
+  return nlohmann::json::parse(text.begin(), text.end(), limit_depth, false);
 }
 
 class GltfReader {
  public:
   GltfReader(const nlohmann::json& json, std::span<const std::uint8_t> binary, const std::string& name,
-             const SideBuffers& side_buffers, MeshUse use)
-      : root_(&json, "", name, error_), buffers_(root_, binary, side_buffers), name_(name), use_(use) {}
+             const BufferLoader& load_buffer, MeshUse use)
+      : root_(&json, "", name, error_), buffers_(root_, binary, load_buffer), name_(name), use_(use) {}
 
   Result<TriangleMesh> read() {
     check_asset();
     const JsonValue scenes = root_["scenes"];
     visited_.assign(root_["nodes"].size(), false);
     if (scenes.size() > 0) {
-      const JsonValue roots = scenes[root_["scene"].whole(0, max_list)]["nodes"];
+      const JsonValue roots = scenes[root_["scene"].integer(0, max_index)]["nodes"];
       for (std::size_t k = 0; k < roots.size() && !error_; ++k)
-        read_node(roots[k].required_whole(max_list), Transform::Identity(), 0);
+        read_node(roots[k].required_integer(max_index), Transform::Identity(), 0);
     } else {
       for (std::size_t k = 0; k < root_["meshes"].size() && !error_; ++k) read_mesh(k, Transform::Identity());
     }
     if (error_) return tl::unexpected(*error_);
     if (skipped_ > 0)
-      mesh_.notes.push_back(fmt::format("{} lists of points or lines were not read", skipped_));
+      mesh_.notes.push_back(fmt::format("{} primitives of points or lines were skipped", skipped_));
     return checked(std::move(mesh_), name_);
   }
 
  private:
   void check_asset() {
-    if (!root_["asset"]["version"].text().starts_with("2"))
-      root_["asset"].fail("is not glTF 2", "version 2.0 is read");
+    if (!root_["asset"]["version"].string().starts_with("2"))
+      root_["asset"].fail("is not glTF 2", "only version 2.0 is supported");
     const JsonValue required = root_["extensionsRequired"];
     for (std::size_t k = 0; k < required.size() && !error_; ++k) {
-      const std::string extension = required[k].text();
-      const auto only_looks = {"KHR_materials_", "KHR_lights_", "KHR_texture_basisu", "EXT_texture_webp"};
-      if (std::none_of(only_looks.begin(), only_looks.end(),
+      const std::string extension = required[k].string();
+      const auto appearance_only = {"KHR_materials_", "KHR_lights_", "KHR_texture_basisu",
+                                    "EXT_texture_webp"};
+      if (std::none_of(appearance_only.begin(), appearance_only.end(),
                        [&](const char* prefix) { return extension.starts_with(prefix); }))
-        required[k].fail("is " + printable(extension) + ", which is not read", "export without it");
+        required[k].fail("requires " + printable(extension) + ", which is not supported",
+                         "export without it");
     }
   }
 
-  // A node may be reached once only: that is what makes the nodes a tree, and a cycle an error.
+  // A node may be reached only once, which makes the nodes a tree and a cycle an error.
   void read_node(std::size_t index, const Transform& parent, int depth) {
     const JsonValue node = root_["nodes"][index];
     if (!node || error_) return;
-    if (visited_[index] || depth > max_depth)
-      return node.fail("is its own ancestor, has two parents, or lies too deep");
+    if (visited_[index] || depth > max_node_depth)
+      return node.fail("is part of a cycle, has two parents, or is nested too deeply");
     visited_[index] = true;
     const Transform world = parent * local_transform(node);
-    if (node["mesh"]) read_mesh(node["mesh"].required_whole(max_list), world);
+    if (node["mesh"]) read_mesh(node["mesh"].required_integer(max_index), world);
     const JsonValue children = node["children"];
     for (std::size_t k = 0; k < children.size() && !error_; ++k)
-      read_node(children[k].required_whole(max_list), world, depth + 1);
+      read_node(children[k].required_integer(max_index), world, depth + 1);
   }
 
   static Transform local_transform(const JsonValue& node) {
     Transform transform = Transform::Identity();
     if (const JsonValue matrix = node["matrix"]) {
       for (int k = 0; k < 16; ++k) {
-        const double value = matrix[static_cast<std::size_t>(k)].number(0);
+        const double value = matrix[std::size_t(k)].number(0);
         if (k % 4 < 3) transform.matrix()(k % 4, k / 4) = value;
       }
       return transform;
     }
     const auto numbers = [](const JsonValue& list, auto fallback) {
       if (!list) return fallback;
-      for (Eigen::Index k = 0; k < fallback.size(); ++k)
-        fallback[k] = list[static_cast<std::size_t>(k)].number(0);
+      for (Eigen::Index k = 0; k < fallback.size(); ++k) fallback[k] = list[std::size_t(k)].number(0);
       return fallback;
     };
     const Eigen::Vector4d xyzw = numbers(node["rotation"], Eigen::Vector4d(0, 0, 0, 1));
@@ -286,7 +286,7 @@ class GltfReader {
   }
 
   void read_primitive(const JsonValue& primitive, const Transform& world) {
-    const auto mode = static_cast<int>(primitive["mode"].whole(triangles_mode, 6));
+    const auto mode = int(primitive["mode"].integer(triangles_mode, 6));
     if (mode < triangles_mode) {
       ++skipped_;
       return;
@@ -303,33 +303,34 @@ class GltfReader {
 
   void read_vertices(const JsonValue& attributes, const Transform& world) {
     using Component = GltfBuffers::Component;
-    const auto elements = [&](const char* attribute, const char* type, std::size_t components,
+    const auto accessor = [&](const char* attribute, const char* type, std::size_t components,
                               Component component) {
-      return buffers_.elements(attributes[attribute].required_whole(max_list), type, components, component);
+      return buffers_.accessor(attributes[attribute].required_integer(max_index), type, components,
+                               component);
     };
-    const Elements positions = elements("POSITION", "VEC3", 3, Component::floats);
-    const bool has_uvs = static_cast<bool>(attributes["TEXCOORD_0"]);
-    const Elements uvs = has_uvs ? elements("TEXCOORD_0", "VEC2", 2, Component::normalised) : Elements{};
-    const bool has_normals = static_cast<bool>(attributes["NORMAL"]);
-    const Elements normals = has_normals ? elements("NORMAL", "VEC3", 3, Component::floats) : Elements{};
+    const Accessor positions = accessor("POSITION", "VEC3", 3, Component::floats);
+    const bool has_uvs = bool(attributes["TEXCOORD_0"]);
+    const Accessor uvs = has_uvs ? accessor("TEXCOORD_0", "VEC2", 2, Component::normalised) : Accessor{};
+    const bool has_normals = bool(attributes["NORMAL"]);
+    const Accessor normals = has_normals ? accessor("NORMAL", "VEC3", 3, Component::floats) : Accessor{};
     if (error_) return;
     if ((has_uvs && uvs.count != positions.count) || (has_normals && normals.count != positions.count))
-      return attributes.fail("have different lengths");
+      return attributes.fail("have different counts");
     if (positions.count > max_mesh_vertices - mesh_.positions.size())
-      return attributes.fail("make too many vertices", fmt::format("at most {} are read", max_mesh_vertices));
+      return attributes.fail("have too many vertices", fmt::format("at most {} are read", max_mesh_vertices));
     const Mat3 normal_world = normal_transform(world.linear());
-    const auto vector = [](const Elements& list, std::size_t k) {
-      return Vec3(list.fraction(k, 0), list.fraction(k, 1), list.fraction(k, 2));
+    const auto vector = [](const Accessor& list, std::size_t k) {
+      return Vec3(list.value(k, 0), list.value(k, 1), list.value(k, 2));
     };
     for (std::size_t k = 0; k < positions.count; ++k) {
       mesh_.positions.push_back(world * vector(positions, k));
       mesh_.normals.push_back(has_normals ? Vec3(normal_world * vector(normals, k)) : Vec3(Vec3::Zero()));
       // glTF counts v from the top row.
-      mesh_.uvs.push_back(has_uvs ? Vec2(uvs.fraction(k, 0), 1 - uvs.fraction(k, 1)) : Vec2(Vec2::Zero()));
+      mesh_.uvs.push_back(has_uvs ? Vec2(uvs.value(k, 0), 1 - uvs.value(k, 1)) : Vec2(Vec2::Zero()));
     }
   }
 
-  // The inverse transpose up to a positive factor: the cofactors, which exist for flattening scales too.
+  // The inverse transpose up to a positive factor: the cofactors, defined also for a singular scale.
   static Mat3 normal_transform(const Mat3& m) {
     Mat3 cofactors;
     cofactors << m.col(1).cross(m.col(2)), m.col(2).cross(m.col(0)), m.col(0).cross(m.col(1));
@@ -341,23 +342,22 @@ class GltfReader {
   void read_triangles(const JsonValue& primitive, std::size_t first, bool mirrored) {
     const std::size_t vertices = mesh_.positions.size() - first;
     const JsonValue indices = primitive["indices"];
-    Elements list;
+    Accessor list;
     if (indices)
-      list =
-          buffers_.elements(indices.required_whole(max_list), "SCALAR", 1, GltfBuffers::Component::indices);
+      list = buffers_.accessor(indices.required_integer(max_index), "SCALAR", 1,
+                               GltfBuffers::Component::indices);
     if (error_) return;
     const std::size_t corners = indices ? list.count : vertices;
     if (corners % 3 != 0) return primitive.fail(fmt::format("has {} corners, not a multiple of 3", corners));
     if (corners / 3 > max_mesh_triangles - mesh_.triangles.size())
-      return primitive.fail("makes too many triangles",
-                            fmt::format("at most {} are read", max_mesh_triangles));
+      return primitive.fail("has too many triangles", fmt::format("at most {} are read", max_mesh_triangles));
     for (std::size_t k = 0; k < corners; k += 3) {
       Triangle triangle;
       for (std::size_t corner = 0; corner < 3; ++corner) {
         const std::size_t vertex = indices ? list.index(k + corner) : k + corner;
         if (vertex >= vertices)
-          return primitive.fail(fmt::format("triangle {} names vertex {} of {}", k / 3, vertex, vertices));
-        triangle[corner] = static_cast<int>(first + vertex);
+          return primitive.fail(fmt::format("triangle {} uses vertex {} of {}", k / 3, vertex, vertices));
+        triangle[corner] = int(first + vertex);
       }
       if (mirrored) std::swap(triangle[1], triangle[2]);  // a mirroring transform turns triangles inside out
       mesh_.triangles.push_back(triangle);
@@ -377,16 +377,14 @@ class GltfReader {
 }  // namespace
 
 Result<TriangleMesh> parse_gltf(std::span<const std::uint8_t> bytes, const std::string& name,
-                                const SideBuffers& side_buffers, MeshUse use) {
-  if (bytes.size() > max_mesh_file_bytes)
-    return fail(name, fmt::format("has {} bytes", bytes.size()),
-                fmt::format("at most {} are read", max_mesh_file_bytes));
-  const auto chunks = split(bytes, name);
+                                const BufferLoader& load_buffer, MeshUse use) {
+  if (auto size = check_mesh_file_size(bytes.size(), name); !size) return tl::unexpected(size.error());
+  const auto chunks = split_glb(bytes, name);
   if (!chunks) return tl::unexpected(chunks.error());
   const nlohmann::json json = parse_json(chunks->json);
   if (!json.is_object())
     return fail(name, "is not a glTF file: its JSON cannot be read", "is the file cut off?");
-  return GltfReader(json, chunks->binary, name, side_buffers, use).read();
+  return GltfReader(json, chunks->binary, name, load_buffer, use).read();
 }
 
 }  // namespace intaglio::surface

@@ -1,9 +1,9 @@
 #include "mesh/gltf_json.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <fmt/format.h>
 
 namespace intaglio::surface {
 
@@ -23,7 +23,7 @@ JsonValue JsonValue::operator[](std::size_t index) const {
   const std::size_t count = size();
   if (index < count) return {&(*json_)[index], path, file_, *error_};
   const JsonValue absent(nullptr, path, file_, *error_);
-  absent.fail("is asked for but not there", fmt::format("{} has {}", path_, count));
+  absent.fail("is referenced but does not exist", fmt::format("{} has {}", path_, count));
   return absent;
 }
 
@@ -34,47 +34,39 @@ std::size_t JsonValue::size() const {
   return 0;
 }
 
-std::vector<std::string> JsonValue::keys() const {
-  std::vector<std::string> names;
-  if (!json_ || !json_->is_object()) return names;
-  for (const auto& item : json_->items()) names.push_back(item.key());
-  return names;
-}
-
-std::size_t JsonValue::whole(std::size_t otherwise, std::size_t limit) const {
-  if (!json_) return otherwise;
+std::size_t JsonValue::integer(std::size_t fallback, std::size_t limit) const {
+  if (!json_) return fallback;
   if (json_->is_number_unsigned()) {
-    if (const auto value = json_->get<std::uint64_t>(); value <= limit)
-      return static_cast<std::size_t>(value);
+    if (const auto value = json_->get<std::uint64_t>(); value <= limit) return std::size_t(value);
   }
   fail(std::string("is ") + (json_->is_number() ? json_->dump() : json_->type_name()),
-       fmt::format("a whole number from 0 to {} belongs there", limit));
-  return otherwise;
+       fmt::format("expected an integer from 0 to {}", limit));
+  return fallback;
 }
 
-std::size_t JsonValue::required_whole(std::size_t limit) const {
+std::size_t JsonValue::required_integer(std::size_t limit) const {
   if (!json_) fail("is missing");
-  return whole(0, limit);
+  return integer(0, limit);
 }
 
-double JsonValue::number(double otherwise) const {
-  if (!json_) return otherwise;
+double JsonValue::number(double fallback) const {
+  if (!json_) return fallback;
   if (json_->is_number()) return json_->get<double>();
   fail("is not a number");
-  return otherwise;
+  return fallback;
 }
 
-bool JsonValue::truth(bool otherwise) const {
-  if (!json_) return otherwise;
+bool JsonValue::boolean(bool fallback) const {
+  if (!json_) return fallback;
   if (json_->is_boolean()) return json_->get<bool>();
-  fail("is neither true nor false");
-  return otherwise;
+  fail("is not a boolean");
+  return fallback;
 }
 
-std::string JsonValue::text() const {
+std::string JsonValue::string() const {
   if (!json_) return {};
   if (json_->is_string()) return json_->get<std::string>();
-  fail("is not a text");
+  fail("is not a string");
   return {};
 }
 
@@ -86,7 +78,7 @@ void JsonValue::fail(std::string what, std::string fix) const {
 std::string printable(std::string_view text) {
   std::string line(text.substr(0, 60));
   for (char& c : line) {
-    if (static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) >= 0x7f) c = '?';
+    if (std::uint8_t(c) < 0x20 || std::uint8_t(c) >= 0x7f) c = '?';
   }
   return line.size() < text.size() ? line + "..." : line;
 }
@@ -114,7 +106,7 @@ std::optional<std::string> percent_decoded(std::string_view uri) {
       continue;
     }
     if (k + 2 >= uri.size() || hex_digit(uri[k + 1]) < 0 || hex_digit(uri[k + 2]) < 0) return std::nullopt;
-    text += static_cast<char>(16 * hex_digit(uri[k + 1]) + hex_digit(uri[k + 2]));
+    text += char(16 * hex_digit(uri[k + 1]) + hex_digit(uri[k + 2]));
     k += 2;
   }
   return text;
@@ -135,21 +127,19 @@ std::optional<std::vector<std::uint8_t>> data_uri(std::string_view uri) {
   for (const char c : text) {
     const int digit = base64_digit(c);
     if (digit < 0) return std::nullopt;
-    bits = bits << 6 | static_cast<std::uint32_t>(digit);
+    bits = bits << 6 | std::uint32_t(digit);
     count += 6;
     if (count < 8) continue;
     count -= 8;
-    bytes.push_back(static_cast<std::uint8_t>(bits >> count));
+    bytes.push_back(std::uint8_t(bits >> count));
   }
   return bytes;
 }
 
-std::optional<std::string> side_file(std::string_view uri) {
+std::optional<std::string> relative_file(std::string_view uri) {
   const auto name = percent_decoded(uri);
   if (!name || name->empty()) return std::nullopt;
-  const auto forbidden = [](char c) {
-    return static_cast<unsigned char>(c) < 0x20 || c == 0x7f || c == '\\' || c == ':';
-  };
+  const auto forbidden = [](char c) { return std::uint8_t(c) < 0x20 || c == 0x7f || c == '\\' || c == ':'; };
   if (std::any_of(name->begin(), name->end(), forbidden)) return std::nullopt;
   const std::filesystem::path path(*name);
   if (path.is_absolute() || std::find(path.begin(), path.end(), "..") != path.end()) return std::nullopt;

@@ -1,5 +1,6 @@
 #include "mesh/mesh_file.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cctype>
 #include <charconv>
@@ -7,7 +8,6 @@
 #include <cstring>
 #include <optional>
 #include <unordered_map>
-#include <fmt/format.h>
 
 #include "core/file.h"
 
@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Links are followed before the comparison: one that leads out of the folder is as good as "..".
+// Follows links before the comparison: one that leads out of the folder is as bad as "..".
 bool lies_within(const fs::path& folder, const fs::path& path) {
   std::error_code error;
   const fs::path inner = fs::weakly_canonical(path, error);
@@ -27,19 +27,25 @@ bool lies_within(const fs::path& folder, const fs::path& path) {
   return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
 }
 
-SideBuffers buffers_beside(const fs::path& path) {
+BufferLoader loader_beside(const fs::path& path) {
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   return [folder, name = path.string()](const std::string& uri,
                                         std::size_t limit) -> Result<std::vector<std::uint8_t>> {
     const fs::path side = folder / uri;
     if (fs::path(uri).is_absolute() || !lies_within(folder, side))
-      return fail(name, "names the buffer " + uri + ", outside its own folder",
+      return fail(name, "refers to the buffer " + uri + ", outside its folder",
                   "buffers must lie beside the file");
     return read_file(side, limit);
   };
 }
 
 }  // namespace
+
+Result<void> check_mesh_file_size(std::size_t bytes, const std::string& name) {
+  if (bytes <= max_mesh_file_bytes) return {};
+  return fail(name, fmt::format("has {} bytes", bytes),
+              fmt::format("at most {} are read", max_mesh_file_bytes));
+}
 
 Result<TriangleMesh> read_mesh(const fs::path& path, MeshUse use) {
   std::string extension = path.extension().string();
@@ -55,12 +61,12 @@ Result<TriangleMesh> read_mesh(const fs::path& path, MeshUse use) {
                 "a texture needs them; use .obj, .gltf or .glb");
   const auto bytes = read_file(path, max_mesh_file_bytes);
   if (!bytes) return tl::unexpected(bytes.error());
-  if (gltf) return parse_gltf(*bytes, path.string(), buffers_beside(path), use);
+  if (gltf) return parse_gltf(*bytes, path.string(), loader_beside(path), use);
   if (stl) return parse_stl(*bytes, path.string());
   return parse_obj({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path.string(), use);
 }
 
-// Wavefront OBJ: v, vt, vn and f; the rest (groups, materials, lines, curves) is passed over.
+// Wavefront OBJ: v, vt, vn and f; the rest (groups, materials, lines, curves) is ignored.
 
 namespace {
 
@@ -97,10 +103,10 @@ struct CornerHash {
   std::size_t operator()(const Corner& c) const {
     std::uint64_t h = 0x9e3779b97f4a7c15u;
     for (const int index : {c.position, c.uv, c.normal}) {
-      h = (h ^ static_cast<std::uint32_t>(index)) * 0xff51afd7ed558ccdu;
+      h = (h ^ std::uint32_t(index)) * 0xff51afd7ed558ccdu;
       h ^= h >> 32;
     }
-    return static_cast<std::size_t>(h);
+    return std::size_t(h);
   }
 };
 
@@ -130,7 +136,7 @@ class ObjParser {
     if (keyword != "v" && keyword != "vn" && keyword != "vt" && keyword != "f") return {};
     while (!line.empty() && is_blank(line.back())) line.remove_suffix(1);
     if (line.ends_with('\\'))
-      return fail_here("goes on in the next line", "write each statement on one line");
+      return fail_here("uses line continuation, which is not supported", "write each statement on one line");
     if (keyword == "v") return read_vector(line, positions_, "a position");
     if (keyword == "vn") return read_vector(line, normals_, "a normal");
     if (keyword == "vt") return read_vector(line, uvs_, "a UV");
@@ -149,14 +155,14 @@ class ObjParser {
     return {};
   }
 
-  // "7", counted from 1, or "-2", counted back from the last one so far.
+  // "7", counted from 1, or "-2", relative to the last one read.
   std::optional<int> to_index(std::string_view word, std::size_t count) const {
     int value = 0;
     const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
     if (error != std::errc() || end != word.data() + word.size() || value == 0) return std::nullopt;
-    const std::int64_t index = value > 0 ? std::int64_t{value} - 1 : static_cast<std::int64_t>(count) + value;
-    if (index < 0 || index >= static_cast<std::int64_t>(count)) return std::nullopt;
-    return static_cast<int>(index);
+    const std::int64_t index = value > 0 ? std::int64_t{value} - 1 : std::int64_t(count) + value;
+    if (index < 0 || index >= std::int64_t(count)) return std::nullopt;
+    return int(index);
   }
 
   // "position/uv" or "position/uv/normal"; without UVs also "position" or "position//normal".
@@ -173,9 +179,9 @@ class ObjParser {
     const auto uv = parts[1].empty() ? std::optional(-1) : to_index(parts[1], uvs_.size());
     const auto normal = parts[2].empty() ? std::optional(-1) : to_index(parts[2], normals_.size());
     if (!position || !uv || !normal)
-      return fail_here(fmt::format("a face names a {} that is not there", !position ? "position"
-                                                                          : !uv     ? "UV"
-                                                                                    : "normal"),
+      return fail_here(fmt::format("a face refers to a missing {}", !position ? "position"
+                                                                    : !uv     ? "UV"
+                                                                              : "normal"),
                        fmt::format("so far there are {} positions, {} UVs and {} normals", positions_.size(),
                                    uvs_.size(), normals_.size()));
     return Corner{*position, *uv, *normal};
@@ -202,12 +208,11 @@ class ObjParser {
   }
 
   int vertex(const Corner& corner) {
-    const auto [at, is_new] = vertices_.try_emplace(corner, static_cast<int>(mesh_.positions.size()));
+    const auto [at, is_new] = vertices_.try_emplace(corner, int(mesh_.positions.size()));
     if (is_new) {
-      mesh_.positions.push_back(positions_[static_cast<std::size_t>(corner.position)]);
-      mesh_.uvs.push_back(corner.uv < 0 ? Vec2(Vec2::Zero()) : uvs_[static_cast<std::size_t>(corner.uv)]);
-      mesh_.normals.push_back(corner.normal < 0 ? Vec3(Vec3::Zero())
-                                                : normals_[static_cast<std::size_t>(corner.normal)]);
+      mesh_.positions.push_back(positions_[std::size_t(corner.position)]);
+      mesh_.uvs.push_back(corner.uv < 0 ? Vec2(Vec2::Zero()) : uvs_[std::size_t(corner.uv)]);
+      mesh_.normals.push_back(corner.normal < 0 ? Vec3(Vec3::Zero()) : normals_[std::size_t(corner.normal)]);
     }
     return at->second;
   }
@@ -225,13 +230,11 @@ class ObjParser {
 }  // namespace
 
 Result<TriangleMesh> parse_obj(std::string_view text, const std::string& name, MeshUse use) {
-  if (text.size() > max_mesh_file_bytes)
-    return fail(name, fmt::format("has {} bytes", text.size()),
-                fmt::format("at most {} are read", max_mesh_file_bytes));
+  if (auto size = check_mesh_file_size(text.size(), name); !size) return tl::unexpected(size.error());
   return ObjParser(name, use).parse(text);
 }
 
-// STL: triangles and nothing else. Binary files have 80 bytes of anything, a count, and 50 bytes a triangle;
+// STL: triangles and nothing else. Binary files have an 80-byte header, a count, and 50 bytes a triangle;
 // ASCII files may start with the same word as a binary header, so the length decides.
 
 namespace {
@@ -264,7 +267,7 @@ void add_vertex(TriangleMesh& mesh, const Vec3& position) {
   mesh.positions.push_back(position);
   mesh.normals.emplace_back(Vec3::Zero());
   mesh.uvs.emplace_back(Vec2::Zero());
-  const auto count = static_cast<int>(mesh.positions.size());
+  const auto count = int(mesh.positions.size());
   if (count % 3 == 0) mesh.triangles.push_back({count - 3, count - 2, count - 1});
 }
 
@@ -290,24 +293,22 @@ Result<TriangleMesh> read_ascii(std::string_view text, const std::string& name) 
     return fail(fmt::format("{}:{}", name, words.line()), std::move(what), std::move(fix));
   };
   if (words.next() != "solid") {
-    return fail(
-        name, "is not an STL file",
-        "ASCII starts with \"solid\"; a binary file is 84 bytes and 50 more for each triangle it counts");
+    return fail(name, "is not an STL file",
+                "ASCII starts with \"solid\"; a binary file with n triangles has exactly 84 + 50 n bytes");
   }
   words.skip_line();  // the name, which may be anything
   for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
-    if (word == "facet" && mesh.positions.size() % 3 != 0) return fail_here("a facet has not 3 corners");
+    if (word == "facet" && mesh.positions.size() % 3 != 0)
+      return fail_here("a facet does not have 3 vertices");
     if (word == "endsolid" || word == "solid") words.skip_line();
     if (word != "vertex") continue;
     if (mesh.triangles.size() >= max_mesh_triangles)
       return fail_here("has too many triangles", fmt::format("at most {} are read", max_mesh_triangles));
     Vec3 position;
     for (double& value : position) {
-      std::string_view number = words.next();
-      if (number.starts_with('+')) number.remove_prefix(1);
-      const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
-      if (error != std::errc() || end != number.data() + number.size() || !std::isfinite(value))
-        return fail_here("a number of a vertex is missing or not finite");
+      const auto number = to_number(words.next());
+      if (!number) return fail_here("a number of a vertex is missing or not finite");
+      value = *number;
     }
     add_vertex(mesh, position);
   }
@@ -318,9 +319,7 @@ Result<TriangleMesh> read_ascii(std::string_view text, const std::string& name) 
 }  // namespace
 
 Result<TriangleMesh> parse_stl(std::span<const std::uint8_t> bytes, const std::string& name) {
-  if (bytes.size() > max_mesh_file_bytes)
-    return fail(name, fmt::format("has {} bytes", bytes.size()),
-                fmt::format("at most {} are read", max_mesh_file_bytes));
+  if (auto size = check_mesh_file_size(bytes.size(), name); !size) return tl::unexpected(size.error());
   if (bytes.size() >= header_bytes) {
     std::uint32_t count = 0;
     std::memcpy(&count, bytes.data() + 80, sizeof count);

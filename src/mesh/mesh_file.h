@@ -1,16 +1,16 @@
 // Mesh files: Wavefront OBJ (.obj), glTF 2.0 (.gltf with embedded or side buffers, .glb) and, for their shape
 // only, STL (.stl, binary or ASCII), from untrusted sources.
 //
-// What is read: triangles (OBJ: polygons, cut into fans), positions, normals, UVs; glTF node transforms are
-// applied and v is turned, so that v = 0 is the bottom row in both. Materials, images, skins and animations
-// are not read. Units are taken as metres. Missing normals are computed, missing UVs are an error unless only
-// the shape is wanted. Limits: a file with its side files 256 MB, 4 million triangles; every count is checked
-// against the bytes that are there before memory is asked for. Side buffers must lie in the mesh's own folder
+// Reads triangles (OBJ: polygons, cut into fans), positions, normals, UVs; glTF node transforms are applied
+// and v is flipped where needed so that v = 0 is the bottom row. Materials, images, skins and animations are
+// ignored. Units are taken as metres. Missing normals are computed, missing UVs are an error unless only the
+// shape is wanted. Limits: a file with its side files 256 MB, 4 million triangles; every count is checked
+// against the bytes that are there before memory is allocated. Side buffers must lie in the mesh's own folder
 // or below. Errors name the file, the place in it and what is wrong, on one line. Cost: about 2 s a million
 // triangles.
 //
-// Both parsers are our own: tinyobjloader reads a number that it does not understand ("nan") as 0, tinygltf
-// nests as deeply as the file says; and with either one every index has to be checked again.
+// Both parsers are our own: tinyobjloader reads malformed numbers as 0, tinygltf recurses without limit, and
+// both leave indices unchecked.
 #pragma once
 
 #include <cstdint>
@@ -26,8 +26,10 @@
 namespace intaglio::surface {
 
 inline constexpr std::size_t max_mesh_file_bytes = 256u << 20;
+// An error when a file has more bytes.
+Result<void> check_mesh_file_size(std::size_t bytes, const std::string& name);
 
-// What a mesh is for: to lay a texture on it, or for its shape alone, where missing UVs are zero.
+// The use of a mesh: to lay a texture on it, or for its shape alone, where missing UVs are zero.
 enum class MeshUse { texture, shape };
 
 // The mesh of a file, checked (triangle_mesh.h). The format is chosen by the extension.
@@ -37,14 +39,15 @@ Result<TriangleMesh> read_mesh(const std::filesystem::path& path, MeshUse use = 
 Result<TriangleMesh> parse_obj(std::string_view text, const std::string& name,
                                MeshUse use = MeshUse::texture);
 
-// The bytes of a side buffer named by its (decoded, relative) uri, at most `limit`.
-using SideBuffers =
+// Returns the bytes of a side buffer given its (decoded, relative) uri, at most `limit`.
+using BufferLoader =
     std::function<Result<std::vector<std::uint8_t>>(const std::string& uri, std::size_t limit)>;
-// .gltf or .glb, told apart by its first bytes. Without `side_buffers` a file that names one is an error.
+// .gltf or .glb, distinguished by its first bytes. Without `load_buffer` a file that needs a side buffer is
+// an error.
 Result<TriangleMesh> parse_gltf(std::span<const std::uint8_t> bytes, const std::string& name,
-                                const SideBuffers& side_buffers = {}, MeshUse use = MeshUse::texture);
-// STL, binary when its length is what its count of triangles says, else ASCII. UVs are zero, and the facets'
-// own normals are not believed: many writers leave them out.
+                                const BufferLoader& load_buffer = {}, MeshUse use = MeshUse::texture);
+// STL, binary when its length is what its count of triangles says, else ASCII. UVs are zero; the facets' own
+// normals are ignored, since many exporters leave them zero.
 Result<TriangleMesh> parse_stl(std::span<const std::uint8_t> bytes, const std::string& name);
 
 }  // namespace intaglio::surface

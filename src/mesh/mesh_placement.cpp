@@ -1,10 +1,10 @@
 #include "mesh/mesh_placement.h"
 
+#include <fmt/format.h>
 #include <cassert>
 #include <cmath>
 #include <limits>
 #include <utility>
-#include <fmt/format.h>
 
 #include "core/portable_math.h"
 #include "mesh/base_patch.h"
@@ -19,7 +19,7 @@ struct Fold {
   int triangle = -1;
 };
 
-// Heights nearer to each other than this, relative, are the same base point seen from both sides of an edge.
+// Heights that differ by less than this, relative, are the same base point seen from both sides of an edge.
 constexpr double same_height = 1e-12;
 
 struct Candidate {
@@ -27,9 +27,9 @@ struct Candidate {
   int triangle = -1;
 };
 
-// Whether `next` is nearer than `best`; on an edge the triangle of lower number wins, in whichever order they
-// are found.
-bool nearer(const Candidate& next, const Candidate& best) {
+// Whether `next` is nearer than `best`; on an edge the triangle of lower number wins, independent of visiting
+// order.
+bool is_nearer(const Candidate& next, const Candidate& best) {
   if (best.triangle < 0) return true;
   const double difference = std::abs(next.projection.height) - std::abs(best.projection.height);
   const double same = same_height * std::abs(best.projection.height);
@@ -48,17 +48,10 @@ struct MeshPlacement::Base {
   double size = 0;  // metres: no two points of the mesh are farther apart
   Fold fold;
 
-  BasePatch patch(int triangle) const {
-    const auto [a, b, c] = mesh.triangles[static_cast<std::size_t>(triangle)];
-    const auto& p = mesh.positions;
-    const auto& n = mesh.normals;
-    const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b),
-               k = static_cast<std::size_t>(c);
-    return {{p[i], p[j], p[k]}, {n[i], n[j], n[k]}};
-  }
+  BasePatch patch(int triangle) const { return patch_of(mesh, triangle); }
 
   void measure_patches();
-  Candidate nearest_flat(const Vec3& world, double reach) const;
+  Candidate nearest_triangle(const Vec3& world, double reach) const;
   Candidate nearest_base(const Vec3& world, double reach) const;
 };
 
@@ -82,18 +75,18 @@ void MeshPlacement::Base::measure_patches() {
   for (const Vec3& position : mesh.positions) box.extend(position);
   size = box.diagonal().norm();
   bounds.reserve(mesh.triangles.size());
-  for (int k = 0; k < static_cast<int>(mesh.triangles.size()); ++k) {
+  for (int k = 0; k < int(mesh.triangles.size()); ++k) {
     const BasePatch it = patch(k);
     bounds.emplace_back(it);
     if (const double depth = surface::fold_depth(it); depth < fold.depth) fold = {depth, k};
   }
 }
 
-// The triangle nearest to the point, normals aside.
-Candidate MeshPlacement::Base::nearest_flat(const Vec3& world, double reach) const {
+// The triangle nearest to the point, ignoring normals.
+Candidate MeshPlacement::Base::nearest_triangle(const Vec3& world, double reach) const {
   Candidate best{{Vec3::Zero(), reach}, -1};
   tree.search(world, reach, [&](int triangle) {
-    const double distance = flat_distance(patch(triangle), world);
+    const double distance = triangle_distance(patch(triangle), world);
     if (distance <= best.projection.height) best = {{Vec3::Zero(), distance}, triangle};
     return best.projection.height;
   });
@@ -103,13 +96,13 @@ Candidate MeshPlacement::Base::nearest_flat(const Vec3& world, double reach) con
 Candidate MeshPlacement::Base::nearest_base(const Vec3& world, double reach) const {
   Candidate best;
   double radius = reach;
-  // The base point lies on the flat triangle, exactly |height| away: the best height so far bounds the
+  // The base point lies on the flat triangle, exactly |height| away, so the best height so far bounds the
   // search.
   tree.search(world, reach, [&](int triangle) {
-    if (!bounds[static_cast<std::size_t>(triangle)].may_reach(world, radius)) return radius;
+    if (!bounds[std::size_t(triangle)].may_reach(world, radius)) return radius;
     if (const auto projection = project(patch(triangle), world, radius)) {
       const Candidate next{*projection, triangle};
-      if (nearer(next, best)) best = next;
+      if (is_nearer(next, best)) best = next;
       radius = std::min(reach, std::abs(best.projection.height) * (1 + 2 * same_height));
     }
     return radius;
@@ -123,16 +116,15 @@ const TriangleMesh& MeshPlacement::mesh() const {
 
 std::optional<BasePoint> MeshPlacement::closest(const Vec3& world, double reach) const {
   if (!world.allFinite() || !(reach > 0)) return std::nullopt;
-  const Candidate flat = base_->nearest_flat(world, reach);
+  const Candidate flat = base_->nearest_triangle(world, reach);
   if (flat.triangle < 0) return std::nullopt;
-  // No base point is nearer than the flat triangles, and most are hardly farther: so the search grows from
-  // there, first over a disc of one triangle's size around the foot of the point, each time over one twice as
-  // wide.
+  // No base point is nearer than the nearest flat triangle, and most are only slightly farther: so the search
+  // begins with the distance of a base point in a disc of one triangle's size around the foot of the point,
+  // and grows. Each answer is exact within its radius; only the radii are a guess.
   const double distance = flat.projection.height;
   reach = std::min(reach, distance + base_->size);
   Candidate best;
-  for (double disc = 2 * base_->bounds[static_cast<std::size_t>(flat.triangle)].radius; best.triangle < 0;
-       disc *= 2) {
+  for (double disc = 2 * base_->bounds[std::size_t(flat.triangle)].radius; best.triangle < 0; disc *= 2) {
     const double radius = std::min(reach, elementary::hypot(distance, disc));
     best = base_->nearest_base(world, radius);
     if (radius == reach) break;
@@ -142,15 +134,15 @@ std::optional<BasePoint> MeshPlacement::closest(const Vec3& world, double reach)
 }
 
 BasePoint MeshPlacement::at(int triangle, const Vec3& weights, double height) const {
-  assert(triangle >= 0 && static_cast<std::size_t>(triangle) < base_->mesh.triangles.size());
-  const auto k = static_cast<std::size_t>(triangle);
+  assert(triangle >= 0 && std::size_t(triangle) < base_->mesh.triangles.size());
+  const auto k = std::size_t(triangle);
   const Triangle& corners = base_->mesh.triangles[k];
   const BasePatch patch = base_->patch(triangle);
   Vec2 uv = Vec2::Zero();
   Vec3 tangent = Vec3::Zero();
   for (std::size_t corner = 0; corner < 3; ++corner) {
-    const double weight = weights[static_cast<Eigen::Index>(corner)];
-    uv += weight * base_->mesh.uvs[static_cast<std::size_t>(corners[corner])];
+    const double weight = weights[Eigen::Index(corner)];
+    uv += weight * base_->mesh.uvs[std::size_t(corners[corner])];
     tangent += weight * base_->tangents.t[k][corner];
   }
   const TangentFrame frame = frame_along(patch.normal(weights), tangent, base_->tangents.handedness[k]);
@@ -175,7 +167,7 @@ std::optional<Vec3> MeshPlacement::to_world(const Vec2& uv, double height) const
 }
 
 Eigen::Matrix2d MeshPlacement::stretch(const BasePoint& at) const {
-  const UvDerivatives derivatives = uv_derivatives(base_->mesh, static_cast<std::size_t>(at.triangle));
+  const UvDerivatives derivatives = uv_derivatives(base_->mesh, std::size_t(at.triangle));
   Eigen::Matrix2d metres;
   metres << at.t.dot(derivatives.by_u), at.t.dot(derivatives.by_v), at.b.dot(derivatives.by_u),
       at.b.dot(derivatives.by_v);
@@ -186,23 +178,19 @@ double MeshPlacement::fold_depth() const {
   return base_->fold.depth;
 }
 
-int MeshPlacement::fold_triangle() const {
-  return base_->fold.triangle;
-}
-
-Result<void> MeshPlacement::check_depth(double wanted) const {
+Result<void> MeshPlacement::check_depth(double depth) const {
   const Fold& fold = base_->fold;
-  if (wanted < fold.depth) return {};
+  if (depth < fold.depth) return {};
   if (fold.depth == 0)
-    return fail(
-        base_->name,
-        fmt::format("the normals of triangle {} turn away from it: no relief is possible", fold.triangle),
-        "recompute the normals, or export the mesh without them");
+    return fail(base_->name,
+                fmt::format("triangle {} faces away from its vertex normals, so no relief is possible",
+                            fold.triangle),
+                "recompute the normals, or export the mesh without them");
   const Vec3 middle = base_->patch(fold.triangle).position(Vec3::Constant(1.0 / 3));
   return fail(base_->name,
               fmt::format("relief {:.4g} m deep folds at triangle {}, near ({:.4g}, {:.4g}, {:.4g}), whose "
                           "radius of curvature is {:.4g} m",
-                          wanted, fold.triangle, middle.x(), middle.y(), middle.z(), fold.depth),
+                          depth, fold.triangle, middle.x(), middle.y(), middle.z(), fold.depth),
               fmt::format("its depth must be less than {:.4g} m there", fold.depth));
 }
 

@@ -2,17 +2,17 @@
 // surface/placement.h.
 //
 // The base is the mesh with its interpolated normals: each base point has a normal line, and a world point
-// belongs to the base point whose line passes through it, so that world <-> (u, v, height) goes there and
-// back to rounding (about 1e-12 of the mesh's size). Heights are metres along the interpolated unit normal,
-// positive outside; relief is at height = -depth. On a flat quad this is what Placement says.
+// belongs to the base point whose line passes through it, so that world <-> (u, v, height) round-trips to
+// rounding (about 1e-12 of the mesh's size). Heights are metres along the interpolated unit normal, positive
+// outside; relief is at height = -depth. On a flat quad it agrees with Placement.
 //
 // Immutable and cheap to copy; queries neither allocate nor lock, are safe from any thread, and an answer
 // does not depend on the order in which triangles are found.
 //
-// Cost of `closest`: two searches of the tree, one for the nearest flat triangle and one, hardly wider, for
+// Cost of `closest`: two searches of the tree, one for the nearest flat triangle and one, slightly wider, for
 // the base point; about 2 us on 4000 triangles, 5 us on 60 000, 15 us on a million where memory is cold. A
-// point with no answer (beyond the border) costs 0.1 to 0.2 us for every triangle within `reach`: keep it
-// short. A texture coordinate: about 1 us.
+// point with no answer (beyond the border) costs 0.1 to 0.2 us for every triangle within `reach`: keep
+// `reach` small. A texture coordinate: about 1 us.
 #pragma once
 
 #include <memory>
@@ -23,7 +23,7 @@
 
 namespace intaglio::surface {
 
-// A point of the base with what lies above or below it.
+// A point of the base, and a height above or below it.
 struct BasePoint {
   Vec2 uv;
   double height;  // metres above the base, along n
@@ -52,28 +52,24 @@ class MeshPlacement {
 
   // The base point at these weights of a triangle's corners.
   BasePoint at(int triangle, const Vec3& weights, double height = 0) const;
-  // The base point at a texture coordinate; of the first triangle where UVs overlap, absent where there is
+  // The base point at a texture coordinate: of the first triangle where UVs overlap; absent where there is
   // none.
   std::optional<BasePoint> at(const Vec2& uv, double height = 0) const;
 
   Vec3 to_world(int triangle, const Vec3& weights, double height) const;
   std::optional<Vec3> to_world(const Vec2& uv, double height) const;
 
-  // Metres that one goes along (t, b) for a step of one in (u, v), on the base: diagonal where the texture is
-  // not sheared. A slope given in (u, v) becomes one in (t, b) by the inverse transpose. Zero where the
-  // triangle has no area in the texture.
+  // Jacobian d(t, b) / d(u, v) on the base, metres: diagonal when the texture is not sheared. Transform
+  // slopes with its inverse transpose. Zero for a triangle without UV area.
   Eigen::Matrix2d stretch(const BasePoint& at) const;
 
-  // The greatest relief depth that folds nowhere, metres; infinite when no normals meet below the base. At
-  // the fold, the relief has shrunk to nothing: it is the least radius of curvature of the places that bulge
-  // outwards. It says nothing about distant parts of the mesh that come to lie back to back, as the two sides
-  // of a thin plate do.
+  // Largest depth without folds, metres; infinite when no normals meet below the base. At the fold, the
+  // relief has shrunk to nothing: it is the least radius of curvature where the mesh bulges outwards. Does
+  // not detect collisions between distant parts, such as the two sides of a thin plate.
   double fold_depth() const;
-  // The triangle that folds first; -1 when none does.
-  int fold_triangle() const;
   // Whether relief of this depth (metres) is possible; if not, the error names the triangle, its radius and
   // the greatest depth.
-  Result<void> check_depth(double wanted) const;
+  Result<void> check_depth(double depth) const;
 
  private:
   struct Base;

@@ -11,7 +11,7 @@ namespace intaglio::surface {
 
 namespace {
 
-constexpr std::size_t most_features = 6;
+constexpr std::size_t max_features = 6;
 
 MeshFeature feature_of(const ReliefPiece& piece, const Vec2& weights) {
   MeshFeature out;
@@ -31,18 +31,18 @@ Vec3 normal_of(const ReliefPiece& piece, const Vec2& weights) {
 }
 
 // The nearest piece of the relief.
-template <class Core>
+template <class DistanceFrom>
 class Nearest {
  public:
-  Nearest(const Core& core, double limit) : core_(core), limit_(limit) {}
+  Nearest(const DistanceFrom& from, double limit) : from_(from), limit_(limit) {}
 
   double limit() const { return limit_; }
-  double least(const Box& box) const { return core_.least(box); }
-  double least(const FlatPiece& piece) const { return core_.least(piece); }
+  double lower_bound(const Box& box) const { return from_.lower_bound(box); }
+  double lower_bound(const LinearPiece& piece) const { return from_.lower_bound(piece); }
   void visit(const ReliefPiece& piece) {
-    PieceMinimiser<Core> minimiser(piece, core_, value_of(limit_));
+    PieceMinimiser<DistanceFrom> minimiser(piece, from_, limit_value());
     if (!minimiser.run()) return;
-    limit_ = Core::distance(minimiser.best().value);
+    limit_ = DistanceFrom::distance(minimiser.best().value);
     value_ = minimiser.best().value;
     found_ = feature_of(piece, minimiser.best().weights);
     base_normal_ = piece.base_normal(minimiser.best().weights);
@@ -53,23 +53,22 @@ class Nearest {
   const Vec3& normal() const { return normal_; }
 
  private:
-  // So that what was found first is not found again beside an edge, a hair nearer by rounding.
-  double value_of(double limit) const {
-    if (found_) return value_ - 1e-14 * std::abs(value_);
-    return std::is_same_v<Core, PlaneCore> ? limit : 0.5 * limit * limit;
+  // Requires a real improvement, so that rounding does not report the same point again across an edge.
+  double limit_value() const {
+    return found_ ? value_ - 1e-14 * std::abs(value_) : DistanceFrom::value(limit_);
   }
 
-  const Core& core_;
+  const DistanceFrom& from_;
   double limit_, value_ = 0;
   std::optional<MeshFeature> found_;
   Vec3 base_normal_ = Vec3::Zero(), normal_ = Vec3::Zero();
 };
 
-// Sets sign, distance and direction of a feature whose asking point is at `away` from it.
-void turn(const ReliefMesh& relief, const Vec3& away, const Vec3& base_normal, const Vec3& normal,
-          MeshFeature& feature) {
+// Sets sign, distance and direction of a feature; `away` leads from it to the query point.
+void set_sign(const ReliefMesh& relief, const Vec3& away, const Vec3& base_normal, const Vec3& normal,
+              MeshFeature& feature) {
   const double distance = away.norm();
-  if (distance <= 1e-12 * relief.texel()) {
+  if (distance <= 1e-12 * relief.texel_size()) {
     feature.distance = 0;
     feature.direction = normal;
     return;
@@ -83,26 +82,26 @@ void turn(const ReliefMesh& relief, const Vec3& away, const Vec3& base_normal, c
 // The nearest local minimum outside of the cones of those found before.
 class NextNearest {
  public:
-  NextNearest(const ReliefMesh& relief, const PointCore& core, double limit, const Cones& cones)
-      : relief_(relief), core_(core), limit_(limit), cones_(cones) {}
+  NextNearest(const ReliefMesh& relief, const PointDistance& from, double limit, const Cones& cones)
+      : relief_(relief), from_(from), limit_(limit), cones_(cones) {}
 
   double limit() const { return limit_; }
-  double least(const Box& box) const { return core_.least(box); }
-  double least(const FlatPiece& piece) const {
-    const double least = core_.least(piece);
-    if (least < limit_ && cones_.contains_ball(piece.middle - core_.centre, piece.radius()))
+  double lower_bound(const Box& box) const { return from_.lower_bound(box); }
+  double lower_bound(const LinearPiece& piece) const {
+    const double bound = from_.lower_bound(piece);
+    if (bound < limit_ && cones_.contains_ball(piece.middle - from_.centre, piece.radius()))
       return std::numeric_limits<double>::infinity();
-    return least;
+    return bound;
   }
   void visit(const ReliefPiece& piece) {
-    PieceMinimiser<PointCore> minimiser(piece, core_, 0.5 * limit_ * limit_);
+    PieceMinimiser<PointDistance> minimiser(piece, from_, PointDistance::value(limit_));
     if (!minimiser.run()) return;
     const Vec2 weights = minimiser.best().weights;
-    const double distance = PointCore::distance(minimiser.best().value);
-    const Vec3 away = core_.centre - piece.point(weights);
+    const double distance = PointDistance::distance(minimiser.best().value);
+    const Vec3 away = from_.centre - piece.point(weights);
     if (distance == 0 || away.dot(piece.base_normal(weights)) <= 0 || cones_.contains(away / distance)) return;
     MeshFeature next = feature_of(piece, weights);
-    if (!is_local_minimum(relief_, next, core_.centre)) return;
+    if (!is_local_minimum(relief_, next, from_.centre)) return;
     next.distance = distance;
     next.direction = away / distance;
     found_ = next;
@@ -112,7 +111,7 @@ class NextNearest {
 
  private:
   const ReliefMesh& relief_;
-  const PointCore& core_;
+  const PointDistance& from_;
   double limit_;
   const Cones& cones_;
   std::optional<MeshFeature> found_;
@@ -121,25 +120,25 @@ class NextNearest {
 // The lowest piece that is not near those found before.
 class Lowest {
  public:
-  Lowest(const PlaneCore& core, double limit, std::span<const MeshFeature> others, double apart)
-      : core_(core), limit_(limit), others_(others), apart_(apart) {}
+  Lowest(const PlaneDistance& from, double limit, std::span<const MeshFeature> others, double apart)
+      : from_(from), limit_(limit), others_(others), apart_(apart) {}
 
   double limit() const { return limit_; }
-  double least(const Box& box) const { return core_.least(box); }
-  double least(const FlatPiece& piece) const {
+  double lower_bound(const Box& box) const { return from_.lower_bound(box); }
+  double lower_bound(const LinearPiece& piece) const {
     if (!others_.empty() && is_near(piece.middle, apart_ - piece.radius()))
       return std::numeric_limits<double>::infinity();
-    return core_.least(piece);
+    return from_.lower_bound(piece);
   }
   void visit(const ReliefPiece& piece) {
-    PieceMinimiser<PlaneCore> minimiser(piece, core_, limit_);
+    PieceMinimiser<PlaneDistance> minimiser(piece, from_, limit_);
     if (!minimiser.run()) return;
     const Vec2 weights = minimiser.best().weights;
     if (is_near(piece.point(weights), apart_)) return;
     limit_ = minimiser.best().value;
     found_ = feature_of(piece, weights);
     found_->distance = limit_;
-    found_->direction = -core_.normal;
+    found_->direction = -from_.normal;
   }
   const std::optional<MeshFeature>& found() const { return found_; }
 
@@ -149,7 +148,7 @@ class Lowest {
                        [&](const MeshFeature& other) { return (other.point - point).norm() < within; });
   }
 
-  const PlaneCore& core_;
+  const PlaneDistance& from_;
   double limit_;
   std::span<const MeshFeature> others_;
   double apart_;
@@ -160,11 +159,11 @@ class Lowest {
 
 std::optional<MeshFeature> closest_point(const ReliefMesh& relief, const Vec3& p, double reach) {
   if (!p.allFinite() || !(reach > 0)) return std::nullopt;
-  const PointCore core{p};
-  Nearest<PointCore> nearest(core, reach);
-  relief.walk(nearest);
+  const PointDistance point{p};
+  Nearest<PointDistance> nearest(point, reach);
+  relief.visit_pieces(nearest);
   std::optional<MeshFeature> out = nearest.found();
-  if (out) turn(relief, p - out->point, nearest.base_normal(), nearest.normal(), *out);
+  if (out) set_sign(relief, p - out->point, nearest.base_normal(), nearest.normal(), *out);
   return out;
 }
 
@@ -175,19 +174,19 @@ std::size_t closest_features(const ReliefMesh& relief, const Vec3& p, double rea
   if (!first) return 0;
   out[0] = *first;
   if (first->distance <= 0) return 1;
-  const PointCore core{p};
-  std::array<Feature, most_features> found;
+  const PointDistance point{p};
+  std::array<Feature, max_features> found;
   std::size_t count = 0;
   const auto keep = [&](const MeshFeature& feature) {
     found[count].direction = feature.direction;
     out[count++] = feature;
   };
   keep(*first);
-  const std::size_t most = std::min(out.size(), most_features);
+  const std::size_t most = std::min(out.size(), max_features);
   while (count < most) {
     const Cones cones(std::span<const Feature>(found).first(count), 1, min_angle);
-    NextNearest next(relief, core, reach, cones);
-    relief.walk(next);
+    NextNearest next(relief, point, reach, cones);
+    relief.visit_pieces(next);
     if (!next.found()) break;
     keep(*next.found());
   }
@@ -200,109 +199,110 @@ std::optional<MeshFeature> closest_to_segment(const ReliefMesh& relief, const Ve
   const double length = along.norm();
   if (!from.allFinite() || !to.allFinite() || !(reach > 0)) return std::nullopt;
   if (length == 0) return closest_point(relief, from, reach);
-  const SegmentCore core{from, along / length, length};
-  Nearest<SegmentCore> nearest(core, reach);
-  relief.walk(nearest);
+  const SegmentDistance segment{from, along / length, length};
+  Nearest<SegmentDistance> nearest(segment, reach);
+  relief.visit_pieces(nearest);
   std::optional<MeshFeature> out = nearest.found();
-  if (out) {
-    turn(relief, core.nearest(out->point) - out->point, nearest.base_normal(), nearest.normal(), *out);
-  }
+  if (out)
+    set_sign(relief, segment.nearest(out->point) - out->point, nearest.base_normal(), nearest.normal(), *out);
   return out;
 }
 
 std::optional<MeshFeature> lowest_point(const ReliefMesh& relief, const Vec3& normal, double offset,
                                         double below, std::span<const MeshFeature> others, double apart) {
   if (!normal.allFinite() || !std::isfinite(offset)) return std::nullopt;
-  const PlaneCore core{normal, offset};
-  Lowest lowest(core, below, others, apart);
-  relief.walk(lowest);
+  const PlaneDistance plane{normal, offset};
+  Lowest lowest(plane, below, others, apart);
+  relief.visit_pieces(lowest);
   return lowest.found();
 }
 
 namespace {
 
-constexpr double on_edge = 1e-9;     // in weights and cells
-constexpr double downhill = 1e-6;    // sine of the angle under which a way is level
-constexpr double same_place = 1e-6;  // of a texel: farther apart, the relief is torn
+constexpr double edge_tolerance = 1e-9;    // in weights and cells
+constexpr double min_descent_sine = 1e-6;  // below it a direction counts as level
+constexpr double tear_tolerance = 1e-6;    // of a texel: farther apart, the relief is torn
 
-// The cells that hold a place, one to four: visit(range).
+// Calls visit(range) for the cells that contain a place, one to four.
 template <class Visit>
-void for_each_cell(const ReliefCells& cells, const ReliefTriangle& triangle, const Vec2& weights,
+void for_each_cell(const CellGrid& cells, const ReliefTriangle& triangle, const Vec2& weights,
                    const Visit& visit) {
   if (cells.surface().is_flat()) return visit(CellRange{0, 0, 0, 0});
   const Vec2 at = triangle.cells(weights);
-  const auto first = [](double x) { return static_cast<std::int64_t>(std::floor(x - on_edge)); };
-  const auto last = [](double x) { return static_cast<std::int64_t>(std::floor(x + on_edge)); };
+  const auto first = [](double x) { return std::int64_t(std::floor(x - edge_tolerance)); };
+  const auto last = [](double x) { return std::int64_t(std::floor(x + edge_tolerance)); };
   for (std::int64_t j = first(at[1]); j <= last(at[1]); ++j) {
     for (std::int64_t i = first(at[0]); i <= last(at[0]); ++i) visit(CellRange{i, i, j, j});
   }
 }
 
 // The part of a triangle that is in one cell.
-WeightPolygon clipped(const ReliefTriangle& t, const CellRange& one, bool flat) {
-  WeightPolygon out = WeightPolygon::triangle();
-  if (flat) return out;
-  const std::array<double, 2> low = {static_cast<double>(one.i0), static_cast<double>(one.j0)};
+BarycentricPolygon clip_to_cell(const ReliefTriangle& t, const CellRange& one, bool is_flat) {
+  BarycentricPolygon out = BarycentricPolygon::triangle();
+  if (is_flat) return out;
+  const std::array<double, 2> low = {double(one.i0), double(one.j0)};
   for (int axis = 0; axis < 2; ++axis) {
-    const Vec2 slope(t.x_a[axis], t.x_b[axis]);
-    WeightPolygon below, above, left;
-    out.split(slope, t.x[axis] - low[static_cast<std::size_t>(axis)], below, above);
+    const Vec2 slope(t.cell_a[axis], t.cell_b[axis]);
+    const double offset = t.cell[axis] - low[std::size_t(axis)];
+    BarycentricPolygon outside, above, inside;
+    out.split(slope, offset, outside, above);
     if (above.is_empty()) return above;
-    above.split(slope, t.x[axis] - low[static_cast<std::size_t>(axis)] - 1, left, below);
-    out = left;
+    above.split(slope, offset - 1, inside, outside);
+    out = inside;
     if (out.is_empty()) return out;
   }
   return out;
 }
 
-// Whether the distance to p falls from `weights` into some direction of the pieces of a triangle there.
-bool falls(const ReliefMesh& relief, int index, const Vec2& weights, const Vec3& point, const Vec3& p) {
+// Whether the distance to p falls from `weights` in some direction, over the pieces of a triangle there.
+bool has_descent(const ReliefMesh& relief, int index, const Vec2& weights, const Vec3& point, const Vec3& p) {
   const ReliefTriangle triangle = relief.triangle(index);
-  const ReliefCells& cells = relief.cells();
-  bool out = false;
+  const CellGrid& cells = relief.cells();
+  bool found = false;
   for_each_cell(cells, triangle, weights, [&](const CellRange& one) {
-    if (out) return;
-    ReliefPiece piece{triangle, 0, 0, 0, 0, 0, 0, clipped(triangle, one, cells.surface().is_flat())};
-    if (piece.outline.is_empty()) return;
-    cells.load(one, piece);
-    const ReliefPiece::Jet jet = piece.at(weights);
-    if ((jet.point - point).norm() > same_place * relief.texel()) return;
-    const Vec3 away = jet.point - p;
-    for (const Vec2& corner : piece.outline) {
+    if (found) return;
+    const BarycentricPolygon outline = clip_to_cell(triangle, one, cells.surface().is_flat());
+    if (outline.is_empty()) return;
+    const ReliefPiece::Jet jet = cells.piece(triangle, outline, one).at(weights);
+    if ((jet.point - point).norm() > tear_tolerance * relief.texel_size()) return;
+    const Vec3 offset = jet.point - p;
+    for (const Vec2& corner : outline) {
       const Vec2 to = corner - weights;
       const Vec3 way = to[0] * jet.by_a + to[1] * jet.by_b;
-      out = out || away.dot(way) < -downhill * away.norm() * way.norm();
+      found = found || offset.dot(way) < -min_descent_sine * offset.norm() * way.norm();
     }
   });
-  return out;
+  return found;
 }
 
-// Calls visit(triangle, weights) for the triangles that hold a place on the edge of one: itself included.
+// Calls visit(triangle, weights) for the triangles that contain a place of one of them: only that one when
+// the place is inside.
 template <class Visit>
 void for_each_around(const ReliefMesh& relief, int triangle, const Vec2& weights, const Visit& visit) {
-  const std::array<double, 3> all = {1 - weights[0] - weights[1], weights[0], weights[1]};
+  const Vec3 all = barycentric(weights);
   visit(triangle, weights);
-  const TriangleFans& fans = relief.fans();
-  std::size_t held = 3;  // a corner that the place is not opposite to
+  const VertexTriangles& vertices = relief.vertex_triangles();
+  // All triangles that contain the place have a corner whose weight is not zero in common.
+  int common = -1;
   bool is_inside = true;
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (all[k] <= on_edge)
+  for (int k = 0; k < 3; ++k) {
+    if (all[k] <= edge_tolerance)
       is_inside = false;
     else
-      held = k;
+      common = k;
   }
-  if (is_inside || held == 3) return;
-  for (const int other : fans.around(fans.place(triangle, held))) {
+  if (is_inside || common < 0) return;
+  for (const int other : vertices.triangles_at(vertices.vertex(triangle, common))) {
     if (other == triangle) continue;
-    std::array<double, 3> theirs{};
-    bool holds = true;
-    for (std::size_t k = 0; k < 3 && holds; ++k) {
-      if (all[k] <= on_edge) continue;
-      const int corner = fans.corner_at(other, fans.place(triangle, k));
-      holds = corner >= 0;
-      if (holds) theirs[static_cast<std::size_t>(corner)] = all[k];
+    Vec3 theirs = Vec3::Zero();
+    bool contains = true;
+    for (int k = 0; k < 3 && contains; ++k) {
+      if (all[k] <= edge_tolerance) continue;
+      const int corner = vertices.corner_at(other, vertices.vertex(triangle, k));
+      contains = corner >= 0;
+      if (contains) theirs[corner] = all[k];
     }
-    if (holds) visit(other, Vec2(theirs[1], theirs[2]));
+    if (contains) visit(other, Vec2(theirs[1], theirs[2]));
   }
 }
 
@@ -311,13 +311,13 @@ void for_each_around(const ReliefMesh& relief, int triangle, const Vec2& weights
 bool is_local_minimum(const ReliefMesh& relief, const MeshFeature& feature, const Vec3& p) {
   bool out = true;
   for_each_around(relief, feature.triangle, feature.weights, [&](int triangle, const Vec2& weights) {
-    out = out && !falls(relief, triangle, weights, feature.point, p);
+    out = out && !has_descent(relief, triangle, weights, feature.point, p);
   });
   return out;
 }
 
-MeshPlace first_of(const ReliefMesh& relief, int triangle, const Vec2& weights) {
-  MeshPlace out{triangle, weights};
+SurfacePlace canonical_place(const ReliefMesh& relief, int triangle, const Vec2& weights) {
+  SurfacePlace out{triangle, weights};
   for_each_around(relief, triangle, weights, [&](int other, const Vec2& theirs) {
     if (other < out.triangle) out = {other, theirs};
   });
@@ -325,23 +325,19 @@ MeshPlace first_of(const ReliefMesh& relief, int triangle, const Vec2& weights) 
 }
 
 bool is_beyond_border(const ReliefMesh& relief, int triangle, const Vec2& weights, const Vec3& away) {
-  const std::array<double, 3> all = {1 - weights[0] - weights[1], weights[0], weights[1]};
+  if (barycentric(weights).minCoeff() > edge_tolerance) return false;
   bool on_border = false;
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (all[k] > on_edge) continue;
-    for_each_around(relief, triangle, weights, [&](int other, const Vec2& theirs) {
-      const std::array<double, 3> w = {1 - theirs[0] - theirs[1], theirs[0], theirs[1]};
-      for (std::size_t corner = 0; corner < 3; ++corner)
-        on_border = on_border || (w[corner] <= on_edge && relief.fans().is_border(other, corner));
-    });
-    break;
-  }
+  for_each_around(relief, triangle, weights, [&](int other, const Vec2& theirs) {
+    const Vec3 w = barycentric(theirs);
+    for (int corner = 0; corner < 3; ++corner)
+      on_border =
+          on_border || (w[corner] <= edge_tolerance && relief.vertex_triangles().is_border(other, corner));
+  });
   if (!on_border) return false;
-  const ReliefTriangle t = relief.triangle(triangle);
-  const Vec3 n = (t.n + weights[0] * t.n_a + weights[1] * t.n_b).normalized();
-  // The relief may be as steep as it likes there; over its border it is left sideways.
-  const Vec3 aside = away - away.dot(n) * n;
-  return aside.norm() > 1e-6 * away.norm();
+  const Vec3 n = relief.triangle(triangle).normal(weights);
+  // The relief may be of any slope there; over its border `away` has a part across the normal.
+  const Vec3 sideways = away - away.dot(n) * n;
+  return sideways.norm() > 1e-6 * away.norm();
 }
 
 }  // namespace intaglio::surface

@@ -9,19 +9,19 @@
 
 namespace intaglio::surface {
 
-PrismTree::PrismTree(std::span<const Box> boxes) : items_(boxes.size()) {
+BoxTree::BoxTree(std::span<const Box> boxes) : items_(boxes.size()) {
   std::iota(items_.begin(), items_.end(), 0);
   nodes_.reserve(2 * boxes.size());
-  if (!boxes.empty()) build(boxes, 0, static_cast<int>(boxes.size()));
+  if (!boxes.empty()) build(boxes, 0, int(boxes.size()));
   nodes_.shrink_to_fit();
 }
 
-// Depth is the logarithm of the count, give or take one: median splits.
-int PrismTree::build(std::span<const Box> boxes, int first, int count) {
-  const int index = static_cast<int>(nodes_.size());
+// Depth is the logarithm of the count, plus or minus one: median splits.
+int BoxTree::build(std::span<const Box> boxes, int first, int count) {
+  const int index = int(nodes_.size());
   Box box, middles;
   for (int k = first; k < first + count; ++k) {
-    const Box& item = boxes[static_cast<std::size_t>(items_[static_cast<std::size_t>(k)])];
+    const Box& item = boxes[std::size_t(items_[std::size_t(k)])];
     box.extend(item);
     middles.extend(item.center());
   }
@@ -32,32 +32,23 @@ int PrismTree::build(std::span<const Box> boxes, int first, int count) {
   const int half = count / 2;
   std::nth_element(items_.begin() + first, items_.begin() + first + half, items_.begin() + first + count,
                    [&](int a, int b) {
-                     const double at_a = boxes[static_cast<std::size_t>(a)].center()[axis],
-                                  at_b = boxes[static_cast<std::size_t>(b)].center()[axis];
+                     const double at_a = boxes[std::size_t(a)].center()[axis],
+                                  at_b = boxes[std::size_t(b)].center()[axis];
                      return at_a < at_b || (at_a == at_b && a < b);
                    });
   build(boxes, first, half);
   const int second = build(boxes, first + half, count - half);
-  nodes_[static_cast<std::size_t>(index)].next = second;
-  nodes_[static_cast<std::size_t>(index)].count = 0;
+  nodes_[std::size_t(index)].next = second;
+  nodes_[std::size_t(index)].count = 0;
   return index;
 }
 
 namespace {
 
-BasePatch patch_of(const TriangleMesh& mesh, int triangle) {
-  const auto [a, b, c] = mesh.triangles[static_cast<std::size_t>(triangle)];
-  const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b),
-             k = static_cast<std::size_t>(c);
-  return {{mesh.positions[i], mesh.positions[j], mesh.positions[k]},
-          {mesh.normals[i], mesh.normals[j], mesh.normals[k]}};
-}
-
-// What the relief over a triangle is within: p + z N is within its prism, and z n is z (1 - |N|) away.
-Box prism(const Surface& surface, const TriangleMesh& mesh, int triangle, double least_normal) {
+// Bounds of the relief over a triangle: p + z N is within its prism, and z n is z (1 - |N|) away from there.
+Box prism_bounds(const Surface& surface, const TriangleMesh& mesh, int triangle, double min_length) {
   Eigen::AlignedBox2d uv;
-  for (const int k : mesh.triangles[static_cast<std::size_t>(triangle)])
-    uv.extend(mesh.uvs[static_cast<std::size_t>(k)]);
+  for (const int k : mesh.triangles[std::size_t(triangle)]) uv.extend(mesh.uvs[std::size_t(k)]);
   const HeightRange z = surface.is_flat() ? HeightRange{} : height_range(surface, uv.min(), uv.max());
   Box box;
   const BasePatch patch = patch_of(mesh, triangle);
@@ -65,17 +56,16 @@ Box prism(const Surface& surface, const TriangleMesh& mesh, int triangle, double
     box.extend(Vec3(patch.p[k] + z.low * patch.n[k]));
     box.extend(Vec3(patch.p[k] + z.high * patch.n[k]));
   }
-  const Vec3 play = Vec3::Constant(std::max(-z.low, 0.0) * (1 - least_normal) + 1e-12 * box.sizes().norm());
-  return {box.min() - play, box.max() + play};
+  const Vec3 margin = Vec3::Constant(std::max(-z.low, 0.0) * (1 - min_length) + 1e-12 * box.sizes().norm());
+  return {box.min() - margin, box.max() + margin};
 }
 
-// Metres that a texel is long, the shorter side, by the areas and lengths of all triangles.
-double texel_of(const MeshPlacement& base, const Surface& surface) {
+// The square root of the mean area of a texel on the mesh.
+double texel_size_of(const MeshPlacement& base, const Surface& surface) {
   double area = 0, texels = 0;
   const TriangleMesh& mesh = base.mesh();
   for (const auto& [a, b, c] : mesh.triangles) {
-    const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b),
-               k = static_cast<std::size_t>(c);
+    const auto i = std::size_t(a), j = std::size_t(b), k = std::size_t(c);
     area += (mesh.positions[j] - mesh.positions[i]).cross(mesh.positions[k] - mesh.positions[i]).norm();
     const Vec2 u = mesh.uvs[j] - mesh.uvs[i], v = mesh.uvs[k] - mesh.uvs[i];
     texels +=
@@ -87,21 +77,20 @@ double texel_of(const MeshPlacement& base, const Surface& surface) {
 }  // namespace
 
 Result<ReliefMesh> ReliefMesh::make(std::shared_ptr<const Surface> surface, MeshPlacement base) {
-  if (!surface) return fail("relief mesh", "has no surface", "hand one in");
-  const double deepest =
-      surface->is_flat() ? 0 : surface->max_depth() * surface->pyramid().total_range().deep;
-  if (const auto possible = base.check_depth(deepest); !possible && deepest > 0)
+  if (!surface) return fail("relief mesh", "has no surface", "pass one");
+  const double max_depth = surface->is_flat() ? 0 : surface->max_depth() * surface->pyramid().total_range().deep;
+  if (const auto possible = base.check_depth(max_depth); !possible && max_depth > 0)
     return tl::unexpected(possible.error());
-  const ReliefCells cells(*surface);
+  const CellGrid cells(*surface);
   const TriangleMesh& mesh = base.mesh();
   std::vector<Box> boxes;
   boxes.reserve(mesh.triangles.size());
-  for (int k = 0; k < static_cast<int>(mesh.triangles.size()); ++k)
-    boxes.push_back(prism(*surface, mesh, k, ReliefTriangle(mesh, cells.texels(), k).least_normal));
-  const double texel = texel_of(base, *surface);
-  TriangleFans fans(mesh);
-  return ReliefMesh(std::make_shared<const Data>(
-      Data{std::move(surface), std::move(base), cells, PrismTree(boxes), std::move(fans), texel}));
+  for (int k = 0; k < int(mesh.triangles.size()); ++k)
+    boxes.push_back(prism_bounds(*surface, mesh, k, ReliefTriangle(mesh, cells.texels(), k).min_length));
+  const double texel_size = texel_size_of(base, *surface);
+  VertexTriangles vertex_triangles(mesh);
+  return ReliefMesh(std::make_shared<const Data>(Data{
+      std::move(surface), std::move(base), cells, BoxTree(boxes), std::move(vertex_triangles), texel_size}));
 }
 
 ReliefTriangle ReliefMesh::triangle(int k) const {
@@ -123,14 +112,13 @@ Eigen::Matrix<double, 2, 3> ReliefMesh::sweep(const BasePoint& under, const Quat
   return surface().placement().size().asDiagonal() * stretch.inverse() * along;
 }
 
-BasePoint ReliefMesh::under(int triangle, const Vec2& weights) const {
-  const Vec3 all(1 - weights[0] - weights[1], weights[0], weights[1]);
-  BasePoint out = data_->base.at(triangle, all);
+BasePoint ReliefMesh::base_below(int triangle, const Vec2& weights) const {
+  BasePoint out = data_->base.at(triangle, barycentric(weights));
   out.height = -data_->surface->depth(out.uv);
   return out;
 }
 
-std::optional<BasePoint> ReliefMesh::under(int triangle, const Vec3& point) const {
+std::optional<BasePoint> ReliefMesh::base_below(int triangle, const Vec3& point) const {
   const double reach = 2 * data_->surface->max_depth() + 1e-9;
   const auto found = project(patch_of(data_->base.mesh(), triangle), point, reach);
   if (!found) return std::nullopt;

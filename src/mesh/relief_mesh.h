@@ -1,15 +1,22 @@
-// Boxes in a binary tree: which of them may hold what is nearest. The order of visits depends on nothing but
-// the boxes, so that an answer is the same on every machine.
+// A relief on a curved base: a Surface's depth along the interpolated normals of a mesh (MeshPlacement).
 //
-// Immutable; any thread; a search does not allocate. Built by median splits; 64 bytes a node, one to
-// two nodes a box.
+// The field is X = p + z n of relief_piece.h, z = -depth, bilinear between texels: what the haptic sense and
+// the pictures mean by the same mesh and texture, up to how they filter it. Depth is in metres along n,
+// whatever the size of the mesh; the Surface's own rectangle does not matter. The solid is below; an open
+// mesh has a border and no back. At a UV seam the relief may have a gap.
+//
+// Immutable and cheap to copy; queries neither allocate nor lock, from any thread. Memory: 250 bytes a
+// triangle beside the mesh. Cost to build: about 1 us a triangle, plus the cost of bounding the texture under
+// each (bench_curved).
 #pragma once
 
 #include <array>
+#include <cassert>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
-#include <string>
+#include <utility>
 #include <vector>
 
 #include "intaglio/vec.h"
@@ -21,48 +28,49 @@ namespace intaglio::surface {
 
 using Box = Eigen::AlignedBox3d;
 
-class PrismTree {
+// Bounding volume hierarchy for nearest-first searches. The order of visits depends on nothing but the boxes,
+// so that an answer is the same on every machine.
+//
+// Immutable; any thread; a search does not allocate. Built by median splits; 64 bytes a node, one to two
+// nodes a box.
+class BoxTree {
  public:
-  PrismTree() = default;
-  explicit PrismTree(std::span<const Box> boxes);
+  BoxTree() = default;
+  explicit BoxTree(std::span<const Box> boxes);
 
-  // Of all that was put in.
-  Box whole() const { return nodes_.empty() ? Box() : nodes_.front().box; }
+  // Bounds of all boxes.
+  Box bounds() const { return nodes_.empty() ? Box() : nodes_.front().box; }
 
-  // Calls visit(item) for those whose box has least(box) < limit(), nearer ones first by and large; limit()
-  // may fall meanwhile.
-  template <class Least, class Limit, class Visit>
-  void search(const Least& least, const Limit& limit, const Visit& visit) const {
+  // Calls visit(item) for those whose box has lower_bound(box) < limit(), roughly nearest first; limit() may
+  // shrink during the search.
+  template <class LowerBound, class Limit, class Visit>
+  void search(const LowerBound& lower_bound, const Limit& limit, const Visit& visit) const {
     if (nodes_.empty()) return;
     struct Entry {
-      double least;
+      double bound;
       int node;
     };
-    std::array<Entry, deepest> stack;
+    std::array<Entry, max_depth> stack;
     std::size_t count = 0;
-    stack[count++] = {least(nodes_[0].box), 0};
+    stack[count++] = {lower_bound(nodes_[0].box), 0};
     while (count > 0) {
       const Entry entry = stack[--count];
-      if (!(entry.least < limit())) continue;
-      const Node& node = nodes_[static_cast<std::size_t>(entry.node)];
+      if (!(entry.bound < limit())) continue;
+      const Node& node = nodes_[std::size_t(entry.node)];
       if (node.count > 0) {
-        for (int k = 0; k < node.count; ++k) visit(items_[static_cast<std::size_t>(node.next + k)]);
+        for (int k = 0; k < node.count; ++k) visit(items_[std::size_t(node.next + k)]);
         continue;
       }
-      Entry near{least(nodes_[static_cast<std::size_t>(entry.node) + 1].box), entry.node + 1},
-          far{least(nodes_[static_cast<std::size_t>(node.next)].box), node.next};
-      if (far.least < near.least) std::swap(near, far);
-      if (far.least < limit()) stack[count++] = far;
-      if (near.least < limit()) stack[count++] = near;
+      Entry near{lower_bound(nodes_[std::size_t(entry.node) + 1].box), entry.node + 1},
+          far{lower_bound(nodes_[std::size_t(node.next)].box), node.next};
+      if (far.bound < near.bound) std::swap(near, far);
+      if (far.bound < limit()) stack[count++] = far;
+      if (near.bound < limit()) stack[count++] = near;
     }
   }
 
-  std::size_t memory_bytes() const {
-    return nodes_.capacity() * sizeof(Node) + items_.capacity() * sizeof(int);
-  }
-
  private:
-  static constexpr std::size_t deepest = 64;
+  static constexpr std::size_t max_depth = 64;
   static constexpr int per_leaf = 2;
 
   // A leaf holds items_[next] and on; otherwise the first child follows it and the second is `next`.
@@ -76,18 +84,6 @@ class PrismTree {
   std::vector<int> items_;
 };
 
-// A relief on a curved base: a Surface's depth along the interpolated normals of a mesh (MeshPlacement).
-//
-// The field is X = p + z n of relief_piece.h, z = -depth, bilinear between texels: what the haptic sense and
-// the pictures mean by the same mesh and texture, up to how they filter it. Depth is in metres along n,
-// whatever the size of the mesh; the Surface's own rectangle does not matter. The solid is below; an open
-// mesh has a border and no back. Where UVs jump (a seam) the relief may be torn, and there is nothing in the
-// gap.
-//
-// Immutable and cheap to copy; queries neither allocate nor lock, from any thread. Memory: 250 bytes a
-// triangle beside the mesh. Built in about 1 us a triangle, and what bounds of the texture under each cost
-// (bench_curved).
-
 class ReliefMesh {
  public:
   // Errors: no surface; relief so deep that it folds (MeshPlacement::check_depth says where).
@@ -95,98 +91,96 @@ class ReliefMesh {
 
   const Surface& surface() const { return *data_->surface; }
   const MeshPlacement& base() const { return data_->base; }
-  // What the relief is within, metres.
-  Box bounds() const { return data_->tree.whole(); }
-  // The shorter side of a texel on the mesh, the mean over it, metres; of a flat relief the size of a
-  // triangle.
-  double texel() const { return data_->texel; }
-  const TriangleFans& fans() const { return data_->fans; }
-  std::size_t memory_bytes() const { return data_->tree.memory_bytes() + data_->fans.memory_bytes(); }
+  // Bounding box of the relief, metres.
+  Box bounds() const { return data_->tree.bounds(); }
+  // The side of a texel on the mesh in metres: the square root of its mean area. For a flat relief, the size
+  // of a triangle.
+  double texel_size() const { return data_->texel_size; }
+  const VertexTriangles& vertex_triangles() const { return data_->vertex_triangles; }
 
   // The relief at weights of a triangle's corners, and the base below it.
   Vec3 point(int triangle, const Vec3& weights) const;
   // The base point under a point of the relief of that triangle, for its frame and (u, v).
-  BasePoint under(int triangle, const Vec2& weights) const;
-  // The same from the point alone: of the triangle whose relief holds it.
-  std::optional<BasePoint> under(int triangle, const Vec3& point) const;
+  BasePoint base_below(int triangle, const Vec2& weights) const;
+  // The same from the point alone: of the triangle whose relief contains it.
+  std::optional<BasePoint> base_below(int triangle, const Vec3& point) const;
 
   // Metres of the texture, along u and v, that a metre of motion in the world sweeps over, with the mesh turned
   // by `orientation`. Zero where a triangle is too flat to have directions along u and v.
   Eigen::Matrix<double, 2, 3> sweep(const BasePoint& under, const Quat& orientation) const;
 
   ReliefTriangle triangle(int k) const;
-  const ReliefCells& cells() const { return data_->cells; }
+  const CellGrid& cells() const { return data_->cells; }
 
   // Calls visit(k) for the triangles whose relief may reach into a box.
   template <class Visit>
-  void for_each_triangle(const Box& wanted, const Visit& visit) const {
-    data_->tree.search([&](const Box& box) { return box.intersects(wanted) ? 0.0 : 2.0; }, [] { return 1.0; },
+  void for_each_triangle(const Box& box, const Visit& visit) const {
+    data_->tree.search([&](const Box& own) { return own.intersects(box) ? 0.0 : 2.0; }, [] { return 1.0; },
                        visit);
   }
 
-  // Visits the pieces of the relief that may be wanted, nearest first by and large. An asker has
-  //   double limit()                   what is not below is not wanted; it may fall meanwhile
-  //   double least(const Box&)         a lower bound of what anything in the box is worth
-  //   double least(const FlatPiece&)   of what a piece is worth
+  // Visits the pieces of the relief that may be below a limit, roughly nearest first. A visitor provides
+  //   double limit()                            pieces not below this are skipped; it may shrink meanwhile
+  //   double lower_bound(const Box&)            for anything in the box
+  //   double lower_bound(const LinearPiece&)    for a piece
   //   void visit(const ReliefPiece&)
-  template <class Asker>
-  void walk(Asker& asker) const {
-    data_->tree.search([&](const Box& box) { return asker.least(box); }, [&] { return asker.limit(); },
-                       [&](int k) { walk_triangle(triangle(k), asker); });
+  template <class Visitor>
+  void visit_pieces(Visitor& visitor) const {
+    data_->tree.search([&](const Box& box) { return visitor.lower_bound(box); },
+                       [&] { return visitor.limit(); }, [&](int k) { visit_triangle(triangle(k), visitor); });
   }
 
  private:
   struct Data {
     std::shared_ptr<const Surface> surface;
     MeshPlacement base;
-    ReliefCells cells;
-    PrismTree tree;
-    TriangleFans fans;
-    double texel = 0;
+    CellGrid cells;
+    BoxTree tree;
+    VertexTriangles vertex_triangles;
+    double texel_size = 0;
   };
   explicit ReliefMesh(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
 
-  template <class Asker>
-  void walk_triangle(const ReliefTriangle& triangle, Asker& asker) const;
-  template <class Asker>
-  void visit_cell(const ReliefTriangle& triangle, const WeightPolygon& outline, const CellRange& one,
-                  Asker& asker) const;
+  template <class Visitor>
+  void visit_triangle(const ReliefTriangle& triangle, Visitor& visitor) const;
+  template <class Visitor>
+  void visit_cell(const ReliefTriangle& triangle, const BarycentricPolygon& outline, const CellRange& one,
+                  Visitor& visitor) const;
 
   std::shared_ptr<const Data> data_;
 };
 
-template <class Asker>
-void ReliefMesh::visit_cell(const ReliefTriangle& triangle, const WeightPolygon& outline,
-                            const CellRange& one, Asker& asker) const {
-  ReliefPiece piece{triangle, 0, 0, 0, 0, 0, 0, outline};
-  data_->cells.load(one, piece);
-  const Vec2 middle = outline.middle();
-  if (asker.least(FlatPiece(triangle, outline, piece.heights(middle), middle)) < asker.limit())
-    asker.visit(piece);
+template <class Visitor>
+void ReliefMesh::visit_cell(const ReliefTriangle& triangle, const BarycentricPolygon& outline,
+                            const CellRange& one, Visitor& visitor) const {
+  const ReliefPiece piece = data_->cells.piece(triangle, outline, one);
+  if (visitor.lower_bound(piece.linear()) < visitor.limit()) visitor.visit(piece);
 }
 
-template <class Asker>
-void ReliefMesh::walk_triangle(const ReliefTriangle& triangle, Asker& asker) const {
-  const ReliefCells& cells = data_->cells;
-  const WeightPolygon whole = WeightPolygon::triangle();
+// Splits a triangle at the blocks of the pyramid until each part lies in one cell.
+template <class Visitor>
+void ReliefMesh::visit_triangle(const ReliefTriangle& triangle, Visitor& visitor) const {
+  const CellGrid& cells = data_->cells;
+  const BarycentricPolygon whole = BarycentricPolygon::triangle();
   const CellRange all = cells.range(triangle, whole);
-  if (all.is_one()) return visit_cell(triangle, whole, all, asker);
+  if (all.is_one()) return visit_cell(triangle, whole, all, visitor);
   struct Node {
-    WeightPolygon outline;
+    BarycentricPolygon outline;
     CellRange range;
-    double least;
+    double bound;
   };
   const auto make = [&](Node& node) {
     const CellRange own = cells.range(triangle, node.outline);
     CellRange& r = node.range;
     r = {std::max(r.i0, own.i0), std::min(r.i1, own.i1), std::max(r.j0, own.j0), std::min(r.j1, own.j1)};
     if (r.i0 > r.i1 || r.j0 > r.j1) return false;  // a sliver that rounding left on a line
-    const Vec2 middle = node.outline.middle();
-    const Heights heights = cells.heights(r, triangle.cells(middle));
-    node.least = asker.least(FlatPiece(triangle, node.outline, heights, middle));
-    return node.least < asker.limit();
+    const Vec2 centroid = node.outline.centroid();
+    const HeightBounds heights = cells.heights(r, triangle.cells(centroid));
+    node.bound = visitor.lower_bound(LinearPiece(triangle, node.outline, heights, centroid));
+    return node.bound < visitor.limit();
   };
-  // A sibling for each cut: 2^35 cells along both axes.
+  // One pending sibling for each split, and a split halves a range along one axis: enough for 2^35 cells
+  // along both axes.
   std::array<Node, 72> stack;
   std::size_t count = 1;
   stack[0].outline = whole;
@@ -194,28 +188,29 @@ void ReliefMesh::walk_triangle(const ReliefTriangle& triangle, Asker& asker) con
   if (!make(stack[0])) return;
   while (count > 0) {
     const Node node = stack[--count];
-    if (!(node.least < asker.limit())) continue;
+    if (!(node.bound < visitor.limit())) continue;
     if (node.range.is_one()) {
-      visit_cell(triangle, node.outline, node.range, asker);
+      visit_cell(triangle, node.outline, node.range, visitor);
       continue;
     }
-    const ReliefCells::Cut cut = cells.cut(node.range);
+    const CellGrid::Split split = cells.split(node.range);
     Node &below = stack[count], &above = stack[count + 1];
-    below.outline = above.outline = WeightPolygon();
+    below.outline = above.outline = BarycentricPolygon();
     below.range = above.range = node.range;
-    (cut.axis == 0 ? below.range.i1 : below.range.j1) = cut.cell - 1;
-    (cut.axis == 0 ? above.range.i0 : above.range.j0) = cut.cell;
-    node.outline.split({triangle.x_a[cut.axis], triangle.x_b[cut.axis]},
-                       triangle.x[cut.axis] - static_cast<double>(cut.cell), below.outline, above.outline);
+    (split.axis == 0 ? below.range.i1 : below.range.j1) = split.cell - 1;
+    (split.axis == 0 ? above.range.i0 : above.range.j0) = split.cell;
+    node.outline.split({triangle.cell_a[split.axis], triangle.cell_b[split.axis]},
+                       triangle.cell[split.axis] - double(split.cell), below.outline, above.outline);
     const bool keep_below = !below.outline.is_empty() && make(below);
     const bool keep_above = !above.outline.is_empty() && make(above);
     if (keep_below && keep_above) {
-      if (below.least < above.least) std::swap(below, above);
+      if (below.bound < above.bound) std::swap(below, above);
       count += 2;
     } else if (keep_below || keep_above) {
       if (keep_above) below = above;
       ++count;
     }
+    assert(count + 2 <= stack.size());
     if (count + 2 > stack.size()) return;
   }
 }

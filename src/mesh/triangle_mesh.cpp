@@ -1,15 +1,15 @@
 #include "mesh/triangle_mesh.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <functional>
 #include <numbers>
-#include <numeric>
 #include <tuple>
-#include <fmt/format.h>
 
 #include "core/portable_math.h"
+#include "mesh/triangle_search.h"
 
 namespace intaglio::surface {
 
@@ -51,11 +51,11 @@ Result<void> check_numbers(const TriangleMesh& mesh, const std::string& name) {
     if (!within(mesh.normals[k], 1e100))
       return fail(name, fmt::format("vertex {}: its normal is not finite", k));
   }
-  const auto count = static_cast<int>(mesh.positions.size());
+  const auto count = int(mesh.positions.size());
   for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
     for (const int index : mesh.triangles[k]) {
       if (index < 0 || index >= count)
-        return fail(name, fmt::format("triangle {} names vertex {}", k, index),
+        return fail(name, fmt::format("triangle {} uses vertex {}", k, index),
                     fmt::format("there are {}", count));
     }
   }
@@ -64,16 +64,15 @@ Result<void> check_numbers(const TriangleMesh& mesh, const std::string& name) {
 
 // Twice the area, along the facet's normal.
 Vec3 area_vector(const TriangleMesh& mesh, const Triangle& triangle) {
-  const Vec3& p = mesh.positions[static_cast<std::size_t>(triangle[0])];
-  return (mesh.positions[static_cast<std::size_t>(triangle[1])] - p)
-      .cross(mesh.positions[static_cast<std::size_t>(triangle[2])] - p);
+  const Vec3& p = mesh.positions[std::size_t(triangle[0])];
+  return (mesh.positions[std::size_t(triangle[1])] - p).cross(mesh.positions[std::size_t(triangle[2])] - p);
 }
 
 bool has_area(const TriangleMesh& mesh, const Triangle& triangle) {
   double longest2 = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3 edge = mesh.positions[static_cast<std::size_t>(triangle[(k + 1) % 3])] -
-                      mesh.positions[static_cast<std::size_t>(triangle[k])];
+    const Vec3 edge =
+        mesh.positions[std::size_t(triangle[(k + 1) % 3])] - mesh.positions[std::size_t(triangle[k])];
     longest2 = std::max(longest2, edge.squaredNorm());
   }
   return longest2 > min_edge * min_edge && area_vector(mesh, triangle).norm() > min_relative_area * longest2;
@@ -87,42 +86,29 @@ void drop_degenerate(TriangleMesh& mesh) {
     mesh.notes.push_back(fmt::format("{} of {} triangles have no area and were dropped", dropped, before));
 }
 
-// For each vertex the lowest vertex at the same place: the two sides of a UV seam share their computed
-// normal.
-std::vector<std::size_t> same_place(const std::vector<Vec3>& positions) {
-  std::vector<std::size_t> order(positions.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto key = [&](std::size_t k) {
-    return std::make_tuple(positions[k].x(), positions[k].y(), positions[k].z());
-  };
-  std::sort(order.begin(), order.end(),
-            [&](std::size_t a, std::size_t b) { return key(a) != key(b) ? key(a) < key(b) : a < b; });
-  std::vector<std::size_t> first(positions.size());
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    const bool same = k > 0 && key(order[k]) == key(order[k - 1]);
-    first[order[k]] = same ? first[order[k - 1]] : order[k];
-  }
-  return first;
-}
-
-bool unknown(const Vec3& normal) {
+bool is_missing(const Vec3& normal) {
   return normal.norm() < 1e-6;
 }
 
-// Unit normals everywhere; where one is not known, the area-weighted mean of the facets around its place.
+// Unit normals everywhere; a missing one becomes the area-weighted mean of the facets around its position.
 void complete_normals(TriangleMesh& mesh) {
-  const auto missing = std::count_if(mesh.normals.begin(), mesh.normals.end(), unknown);
+  const auto missing = std::count_if(mesh.normals.begin(), mesh.normals.end(), is_missing);
   if (missing > 0) {
-    const std::vector<std::size_t> place = same_place(mesh.positions);
+    // The two sides of a UV seam share their computed normal.
+    const std::vector<int> place = group_equal(mesh.positions.size(), [&](std::size_t k) {
+      const Vec3& p = mesh.positions[k];
+      return std::tuple(p.x(), p.y(), p.z());
+    });
     std::vector<Vec3> sum(mesh.positions.size(), Vec3::Zero());
     for (const Triangle& triangle : mesh.triangles) {
       const Vec3 area = area_vector(mesh, triangle);
-      for (const int index : triangle) sum[place[static_cast<std::size_t>(index)]] += area;
+      for (const int index : triangle) sum[std::size_t(place[std::size_t(index)])] += area;
     }
     for (std::size_t k = 0; k < mesh.normals.size(); ++k) {
-      if (!unknown(mesh.normals[k])) continue;
-      const double length = sum[place[k]].norm();
-      mesh.normals[k] = length > 0 ? Vec3(sum[place[k]] / length) : Vec3(Vec3::UnitY());
+      if (!is_missing(mesh.normals[k])) continue;
+      const Vec3& normal = sum[std::size_t(place[k])];
+      const double length = normal.norm();
+      mesh.normals[k] = length > 0 ? Vec3(normal / length) : Vec3(Vec3::UnitY());
     }
     mesh.notes.push_back(
         fmt::format("{} of {} normals were missing and were computed", missing, mesh.normals.size()));
@@ -130,20 +116,18 @@ void complete_normals(TriangleMesh& mesh) {
   for (Vec3& normal : mesh.normals) normal.stableNormalize();
 }
 
-// Where all three normals say that the other side is outside, they are believed and the winding is turned.
-void turn_windings(TriangleMesh& mesh) {
-  std::size_t turned = 0;
+// Where all three normals say that the other side is outside, the winding is flipped to agree.
+void flip_windings(TriangleMesh& mesh) {
+  std::size_t flipped = 0;
   for (Triangle& triangle : mesh.triangles) {
     const Vec3 area = area_vector(mesh, triangle);
-    const auto against = [&](int index) {
-      return area.dot(mesh.normals[static_cast<std::size_t>(index)]) < 0;
-    };
+    const auto against = [&](int index) { return area.dot(mesh.normals[std::size_t(index)]) < 0; };
     if (!std::all_of(triangle.begin(), triangle.end(), against)) continue;
     std::swap(triangle[1], triangle[2]);
-    ++turned;
+    ++flipped;
   }
-  if (turned > 0)
-    mesh.notes.push_back(fmt::format("{} triangles wound against their normals and were turned", turned));
+  if (flipped > 0)
+    mesh.notes.push_back(fmt::format("{} triangles were flipped to match their normals", flipped));
 }
 
 }  // namespace
@@ -154,7 +138,7 @@ Result<TriangleMesh> checked(TriangleMesh raw, const std::string& name) {
   drop_degenerate(raw);
   if (raw.triangles.empty()) return fail(name, "has only triangles without area");
   complete_normals(raw);
-  turn_windings(raw);
+  flip_windings(raw);
   return raw;
 }
 
@@ -166,35 +150,26 @@ TriangleMesh moved(TriangleMesh mesh, const Pose& pose) {
 
 namespace {
 
-// Numbers the vertices so that those of equal position, normal and UV have the same number.
-std::vector<std::size_t> weld(const TriangleMesh& mesh) {
-  std::vector<std::size_t> order(mesh.positions.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto key = [&](std::size_t k) {
+// Vertices of equal position, normal and UV have the same number.
+std::vector<int> weld(const TriangleMesh& mesh) {
+  return group_equal(mesh.positions.size(), [&](std::size_t k) {
     const Vec3& p = mesh.positions[k];
     const Vec3& n = mesh.normals[k];
     const Vec2& uv = mesh.uvs[k];
-    return std::make_tuple(p.x(), p.y(), p.z(), n.x(), n.y(), n.z(), uv.x(), uv.y());
-  };
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
-  std::vector<std::size_t> number(order.size());
-  for (std::size_t k = 1; k < order.size(); ++k)
-    number[order[k]] = number[order[k - 1]] + (key(order[k]) == key(order[k - 1]) ? 0 : 1);
-  return number;
+    return std::tuple(p.x(), p.y(), p.z(), n.x(), n.y(), n.z(), uv.x(), uv.y());
+  });
 }
 
-Vec3 laid_into_plane(const Vec3& n, const Vec3& direction) {
+Vec3 project_to_plane(const Vec3& n, const Vec3& direction) {
   const Vec3 flat = direction - n.dot(direction) * n;
   const double length = flat.norm();
   return length > 1e-9 * direction.norm() ? Vec3(flat / length) : Vec3(Vec3::Zero());
 }
 
 double corner_angle(const TriangleMesh& mesh, const Triangle& triangle, std::size_t corner, const Vec3& n) {
-  const auto position = [&](std::size_t k) {
-    return mesh.positions[static_cast<std::size_t>(triangle[k % 3])];
-  };
-  const Vec3 a = laid_into_plane(n, position(corner + 1) - position(corner));
-  const Vec3 b = laid_into_plane(n, position(corner + 2) - position(corner));
+  const auto position = [&](std::size_t k) { return mesh.positions[std::size_t(triangle[k % 3])]; };
+  const Vec3 a = project_to_plane(n, position(corner + 1) - position(corner));
+  const Vec3 b = project_to_plane(n, position(corner + 2) - position(corner));
   return elementary::acos(std::clamp(a.dot(b), -1.0, 1.0));
 }
 
@@ -202,9 +177,9 @@ double corner_angle(const TriangleMesh& mesh, const Triangle& triangle, std::siz
 
 UvDerivatives uv_derivatives(const TriangleMesh& mesh, std::size_t triangle) {
   const Triangle& corners = mesh.triangles[triangle];
-  const auto a = static_cast<std::size_t>(corners[0]);
-  const auto b = static_cast<std::size_t>(corners[1]);
-  const auto c = static_cast<std::size_t>(corners[2]);
+  const auto a = std::size_t(corners[0]);
+  const auto b = std::size_t(corners[1]);
+  const auto c = std::size_t(corners[2]);
   const Vec2 uv1 = mesh.uvs[b] - mesh.uvs[a];
   const Vec2 uv2 = mesh.uvs[c] - mesh.uvs[a];
   const double determinant = uv1.x() * uv2.y() - uv1.y() * uv2.x();
@@ -217,16 +192,16 @@ UvDerivatives uv_derivatives(const TriangleMesh& mesh, std::size_t triangle) {
 }
 
 TangentFrame frame_along(const Vec3& n, const Vec3& tangent, double handedness) {
-  Vec3 t = laid_into_plane(n, tangent);
+  Vec3 t = project_to_plane(n, tangent);
   if (t.isZero()) t = n.unitOrthogonal();
-  // Once more: what the first pass leaves along n grows where the tangent was nearly parallel to it.
+  // Re-orthogonalise: the residual along n is amplified when the tangent was nearly parallel to it.
   t = (t - n.dot(t) * n).normalized();
   return {t, handedness * n.cross(t), n};
 }
 
 CornerTangents corner_tangents(const TriangleMesh& mesh) {
-  const std::vector<std::size_t> vertex = weld(mesh);
-  std::array<std::vector<Vec3>, 2> sum;  // of the triangles that are mirrored, and of those that are not
+  const std::vector<int> vertex = weld(mesh);
+  std::array<std::vector<Vec3>, 2> sum;  // of the mirrored triangles, and of the others
   sum.fill(std::vector<Vec3>(mesh.positions.size(), Vec3::Zero()));
   CornerTangents tangents;
   tangents.t.resize(mesh.triangles.size());
@@ -234,8 +209,9 @@ CornerTangents corner_tangents(const TriangleMesh& mesh) {
   const auto each_corner = [&](auto&& visit) {
     for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
       for (std::size_t corner = 0; corner < 3; ++corner) {
-        const auto index = static_cast<std::size_t>(mesh.triangles[k][corner]);
-        visit(k, corner, mesh.normals[index], sum[tangents.handedness[k] > 0 ? 1 : 0][vertex[index]]);
+        const auto index = std::size_t(mesh.triangles[k][corner]);
+        visit(k, corner, mesh.normals[index],
+              sum[tangents.handedness[k] > 0 ? 1 : 0][std::size_t(vertex[index])]);
       }
     }
   };
@@ -243,10 +219,10 @@ CornerTangents corner_tangents(const TriangleMesh& mesh) {
   for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
     const UvDerivatives derivatives = uv_derivatives(mesh, k);
     along_u[k] = derivatives.by_u;
-    tangents.handedness[k] = static_cast<std::int8_t>(derivatives.handedness);
+    tangents.handedness[k] = std::int8_t(derivatives.handedness);
   }
   each_corner([&](std::size_t k, std::size_t corner, const Vec3& n, Vec3& total) {
-    total += corner_angle(mesh, mesh.triangles[k], corner, n) * laid_into_plane(n, along_u[k]);
+    total += corner_angle(mesh, mesh.triangles[k], corner, n) * project_to_plane(n, along_u[k]);
   });
   each_corner([&](std::size_t k, std::size_t corner, const Vec3& n, const Vec3& total) {
     tangents.t[k][corner] = frame_along(n, total, tangents.handedness[k]).t;
@@ -256,29 +232,27 @@ CornerTangents corner_tangents(const TriangleMesh& mesh) {
 
 namespace {
 
-// A point of the curve that is turned about the Y axis, with its normal in the same plane.
+// A point of the curve that is revolved about the Y axis, with its normal in the same plane.
 struct Profile {
   double radius, y;
   double normal_radius, normal_y;
 };
 
-enum class Turn {
-  east = 1,
-  west = -1
-};  // the way in which u goes around, seen from +Y: east is counter-clockwise
+// The way in which u goes around, seen from +Y: east is counter-clockwise.
+enum class Winding { east = 1, west = -1 };
 
-// A row has one vertex more than it has quads: the seam is stored once for u = 0 and once for u = 1. At a
-// pole the triangles have one corner each, in the middle of their u.
-TriangleMesh revolve(const std::function<Profile(double v)>& profile, Turn turn, int around, int up) {
+// A row has one vertex more than quads: the seam is stored for u = 0 and for u = 1. At a pole each triangle
+// has one corner, at the middle of its u.
+TriangleMesh revolve(const std::function<Profile(double v)>& profile, Winding winding, int around, int up) {
   assert(around >= 3 && up >= 1);
   TriangleMesh mesh;
-  const auto is_pole = [&](int row) { return profile(static_cast<double>(row) / up).radius == 0; };
+  const auto is_pole = [&](int row) { return profile(double(row) / up).radius == 0; };
   for (int row = 0; row <= up; ++row) {
-    const double v = static_cast<double>(row) / up;
+    const double v = double(row) / up;
     const Profile at = profile(v);
     for (int column = 0; column <= around; ++column) {
       const double shift = is_pole(row) ? 0.5 : 0;
-      const double angle = static_cast<int>(turn) * 2 * std::numbers::pi * (column % around) / around;
+      const double angle = int(winding) * 2 * std::numbers::pi * (column % around) / around;
       const Vec3 out(elementary::cos(angle), 0, -elementary::sin(angle));
       mesh.positions.emplace_back(at.radius * out + at.y * Vec3::UnitY());
       mesh.normals.emplace_back(at.normal_radius * out + at.normal_y * Vec3::UnitY());
@@ -297,11 +271,11 @@ TriangleMesh revolve(const std::function<Profile(double v)>& profile, Turn turn,
 }
 
 // The circle at latitude `angle`; exactly on the axis at a pole.
-Profile on_circle(double radius, double angle, double side) {
+Profile meridian(double radius, double angle, double normal_sign) {
   const bool pole = std::abs(angle) > std::numbers::pi / 2 - 1e-9;
   const double c = pole ? 0 : elementary::cos(angle);
   const double s = pole ? std::copysign(1.0, angle) : elementary::sin(angle);
-  return {radius * c, radius * s, side * c, side * s};
+  return {radius * c, radius * s, normal_sign * c, normal_sign * s};
 }
 
 }  // namespace
@@ -319,18 +293,18 @@ TriangleMesh make_quad(const Placement& placement) {
 }
 
 TriangleMesh make_sphere(double radius, int around, int up) {
-  const auto profile = [=](double v) { return on_circle(radius, std::numbers::pi * (v - 0.5), 1); };
-  return revolve(profile, Turn::east, around, up);
+  const auto profile = [=](double v) { return meridian(radius, std::numbers::pi * (v - 0.5), 1); };
+  return revolve(profile, Winding::east, around, up);
 }
 
 TriangleMesh make_cylinder(double radius, double height, int around, int up) {
   const auto profile = [=](double v) { return Profile{radius, height * (v - 0.5), 1, 0}; };
-  return revolve(profile, Turn::east, around, up);
+  return revolve(profile, Winding::east, around, up);
 }
 
 TriangleMesh make_bowl(double radius, int around, int up) {
-  const auto profile = [=](double v) { return on_circle(radius, std::numbers::pi / 2 * (v - 1), -1); };
-  return revolve(profile, Turn::west, around, up);
+  const auto profile = [=](double v) { return meridian(radius, std::numbers::pi / 2 * (v - 1), -1); };
+  return revolve(profile, Winding::west, around, up);
 }
 
 }  // namespace intaglio::surface

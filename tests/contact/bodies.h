@@ -1,4 +1,4 @@
-// Shapes and poses that the tests of contact go through.
+// Shapes and poses for the tests of contact.
 #pragma once
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // The distance of a body and a relief without pyramid, features or normals: every patch near the body's
-// bounding ball is cut in four, and on, as long as the body's distance, a convex function, can be less in it
-// than the least found.
+// bounding sphere is cut in four, again and again, as long as the body's distance, a convex function, can be
+// less in it than the least found.
 #pragma once
 
 #include <algorithm>
@@ -23,7 +23,7 @@ inline Distance from_point(const Vec3& q, const Vec3& p, double radius = 0) {
   return {d - radius, d > 0 ? Vec3((q - p) / d) : Vec3(Vec3::UnitY())};
 }
 
-// Ericson, "Real-time collision detection", 2004, names the regions; here by the nearest of plane and edges.
+// By the nearest of plane and edges; Ericson, "Real-time collision detection", 2004, has another way.
 inline Vec3 nearest_on_triangle(const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 n = (b - a).cross(c - a);
   const Vec3 foot = q - n * (n.dot(q - a) / n.squaredNorm());
@@ -71,7 +71,7 @@ struct BodyDistance {
     }
     return most.value > 0 ? from_point(q, nearest(*s.form)) : most;
   }
-  // Of a concave body only outside; its distance is not convex, so its triangles are asked one by one.
+  // For a concave body only outside; its distance is not convex, so its triangles are searched one by one.
   Distance operator()(const contact::Mesh& s) const { return from_point(q, nearest(*s.form)); }
   Distance operator()(const contact::Compound&) const { return {0, Vec3::Zero()}; }
 
@@ -90,7 +90,7 @@ struct BodyDistance {
   }
 };
 
-// What bounds a body, local frame.
+// Bounds of a body, local frame.
 struct Ball {
   Vec3 centre;
   double radius;

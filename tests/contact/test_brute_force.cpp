@@ -32,7 +32,7 @@ struct Sample {
   Pose pose;
 };
 
-// How to make a pose that fails again.
+// Describes a pose that fails, so that it can be repeated.
 std::string text(const std::string& name, const Sample& s) {
   const Vec3& p = s.pose.position;
   const Quat& q = s.pose.orientation;
@@ -114,7 +114,7 @@ void check_distance(const std::string& name) {
 // Poses that were wrong once.
 TEST_CASE("distance equals brute force: poses that were wrong once") {
   const std::vector<std::pair<std::string, Sample>> poses = {
-      // An edge under a crease that is no least gap, and no corner of either in the other.
+      // An edge under a crease that is no local minimum of the gap, and no corner of either in the other.
       {"box",
        {0,
         0.0016287551933115779,
@@ -155,7 +155,7 @@ TEST_CASE("distance equals brute force: poses that were wrong once") {
   Tally tally;
   for (const auto& [name, sample] : poses)
     check_sample(*all[sample.surface], tests::body(name, 0.12), sample, tally);
-  CHECK(tally.apart + tally.overlapping == static_cast<int>(poses.size()));
+  CHECK(tally.apart + tally.overlapping == int(poses.size()));
 }
 TEST_CASE("distance equals brute force: sphere") {
   check_distance("sphere");

@@ -6,8 +6,8 @@
 #include "core/portable_math.h"
 #include "mesh/relief_closest.h"
 #include "tests/contact/bodies.h"
-#include "tests/contact/curved_bases.h"
 #include "tests/count_allocations.h"
+#include "tests/mesh/curved_bases.h"
 
 using namespace intaglio;
 using namespace intaglio::contact;
@@ -76,10 +76,10 @@ double sampled(const Pair& pair, const Pose& pose, int count, Random& random) {
 
 }  // namespace
 
-TEST_CASE("two curved reliefs: no sample is nearer than the first contact, by more than a hair") {
+TEST_CASE("two curved reliefs: no sample is nearer than the first contact, within a tolerance") {
   for (const Pair& pair : pairs()) {
     Random random(91);
-    const double texel = pair.ground.texel(), margin = 0.3 * texel;
+    const double texel = pair.ground.texel_size(), margin = 0.3 * texel;
     double worst = 0;
     int within = 0;
     const int count = tests::poses(3, 200);
@@ -93,7 +93,7 @@ TEST_CASE("two curved reliefs: no sample is nearer than the first contact, by mo
       within += set.count > 0 ? 1 : 0;
       for (const ContactPoint& c : set) {
         CHECK(std::abs(c.normal.norm() - 1) < 1e-9);
-        // What is named is there, on both.
+        // The point named by uv is on both.
         CHECK(std::abs(closest_point(pair.ground, c.point, 0.1)->distance) < 1e-7);
         const Vec3 at = pose.to_local(c.point + c.distance * c.normal);
         CHECK(std::abs(closest_point(pair.body, at, 0.1)->distance) < 1e-7);
@@ -106,7 +106,7 @@ TEST_CASE("two curved reliefs: no sample is nearer than the first contact, by mo
   }
 }
 
-TEST_CASE("odd questions of two curved reliefs get a status") {
+TEST_CASE("invalid queries of two curved reliefs get a status") {
   const Pair pair = pairs()[2];
   const auto status_at = [&](const Vec3& at, double margin) {
     return curved_on_curved(pair.body, {at, Quat::Identity()}, pair.ground, margin, 0.01).status;

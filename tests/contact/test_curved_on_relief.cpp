@@ -7,8 +7,8 @@
 #include "mesh/relief_closest.h"
 #include "surface/closest.h"
 #include "tests/contact/bodies.h"
-#include "tests/contact/curved_bases.h"
 #include "tests/count_allocations.h"
+#include "tests/mesh/curved_bases.h"
 
 using namespace intaglio;
 using namespace intaglio::contact;
@@ -70,7 +70,7 @@ double sampled(const Pair& pair, const Pose& pose, int count, Random& random) {
                     [](const Sampled& a, const Sampled& b) { return a.gap < b.gap; });
   double best = 1;
   for (std::ptrdiff_t k = 0; k < some; ++k) {
-    Sampled& s = all[static_cast<std::size_t>(k)];
+    Sampled& s = all[std::size_t(k)];
     double here = distance(s.triangle, s.weights);
     for (double step = 0.1; step > 1e-6; step *= 0.5) {
       for (int n = 0; n < 8; ++n) {
@@ -94,7 +94,7 @@ TEST_CASE(
     "a relief ball on a relief floor: no sample is nearer than the first contact, by more than a hair") {
   for (const Pair& pair : pairs()) {
     Random random(81);
-    const double texel = pair.ground->is_flat() ? pair.body.texel() : pair.ground->texel_u();
+    const double texel = pair.ground->is_flat() ? pair.body.texel_size() : pair.ground->texel_u();
     double worst = 0, mean = 0;
     int within = 0;
     const int count = tests::poses(12, 1000);
@@ -111,7 +111,7 @@ TEST_CASE(
       mean += std::max(0.0, ours - theirs) / texel / count;
       for (const ContactPoint& c : set) {
         CHECK(std::abs(c.normal.norm() - 1) < 1e-9);
-        // What is named is there: the body's point is on the body's relief.
+        // The body's point is on the body's relief.
         const Vec3 at = pose.to_local(c.point + c.distance * c.normal);
         CHECK(std::abs(closest_point(pair.body, at, 0.1)->distance) < 1e-7);
       }
@@ -123,7 +123,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("a relief ball and a floor moved together: the same; odd questions get a status") {
+TEST_CASE("a relief ball and a floor moved together touch alike; invalid queries get a status") {
   const Pair pair = pairs()[0];
   Random random(82);
   const Pose by{Vec3(1, 2, -3), tests::any_turn(random)};
@@ -162,10 +162,11 @@ TEST_CASE("a relief ball and a floor moved together: the same; odd questions get
         status::bad_pose);
 }
 
-TEST_CASE("a ground that is only so thick: the same contacts less those behind it, and none from its back") {
+TEST_CASE(
+    "a ground of finite thickness has the same contacts except those behind it, and none from its back") {
   for (const Pair& pair : pairs()) {
     Random random(83);
-    const double texel = pair.ground->is_flat() ? pair.body.texel() : pair.ground->texel_u();
+    const double texel = pair.ground->is_flat() ? pair.body.texel_size() : pair.ground->texel_u();
     const double thickness = 2 * texel, margin = 0.3 * texel;
     int same = 0, behind = 0;
     for (int k = 0; k < tests::poses(20, 500); ++k) {

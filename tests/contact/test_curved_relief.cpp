@@ -1,4 +1,4 @@
-// Bodies against reliefs on curved bases; the sphere's exactness is test_curved_closest.cpp's.
+// Bodies against reliefs on curved bases; test_relief_closest.cpp covers the sphere's exactness.
 #include <algorithm>
 #include <cmath>
 
@@ -7,8 +7,8 @@
 #include "core/portable_math.h"
 #include "mesh/relief_closest.h"
 #include "tests/contact/bodies.h"
-#include "tests/contact/curved_bases.h"
 #include "tests/count_allocations.h"
+#include "tests/mesh/curved_bases.h"
 
 using namespace intaglio;
 using namespace intaglio::contact;
@@ -29,7 +29,7 @@ void check_sound(const ContactSet& set) {
   }
 }
 
-// Inside negative, the distance to the nearest face; outside at least not negative.
+// Negative inside, minus the distance to the nearest face; outside not negative.
 double signed_distance(const Shape& shape, const Vec3& x) {
   if (const auto* s = std::get_if<Capsule>(&shape))
     return (x - Vec3(0, std::clamp(x.y(), -s->half_height, s->half_height), 0)).norm() - s->radius;
@@ -98,7 +98,7 @@ TEST_CASE("a body lifted off along its first contact's normal no longer overlaps
   }
 }
 
-TEST_CASE("capsule, box and hull: how deep, against samples of the field") {
+TEST_CASE("the depth of capsule, box and hull agrees with samples of the field") {
   for (const auto& [name, relief, radius, is_torn] : tests::various_reliefs()) {
     struct Point {
       Vec3 at, normal;  // of the base
@@ -118,8 +118,7 @@ TEST_CASE("capsule, box and hull: how deep, against samples of the field") {
         const Pose pose{tests::near_relief(random, relief, 0.45 * radius, 1.1 * radius),
                         tests::any_turn(random)};
         const double ours = first_distance(curved_contacts(relief, shape, pose, 0), 0);
-        // How deep samples are in the body: no deeper than ours, of those that look at the face they are
-        // nearest to.
+        // No sample that faces its nearest face of the body is deeper in the body than the first contact.
         double deepest = 0;
         for (const Point& p : field) {
           const Vec3 local = pose.to_local(p.at);
@@ -133,7 +132,7 @@ TEST_CASE("capsule, box and hull: how deep, against samples of the field") {
       }
       MESSAGE(name << ", " << kind << ": " << touched << " overlap; a sample deeper by " << 1e3 * worst
                    << " mm at most");
-      CHECK(worst < 2e-4 * relief.texel());
+      CHECK(worst < 2e-4 * relief.texel_size());
     }
   }
 }
@@ -153,7 +152,7 @@ TEST_CASE("a feature keeps its name while the body turns about it, and on either
   }
 }
 
-TEST_CASE("odd bodies on a curved base: a status, no nonsense") {
+TEST_CASE("invalid bodies on a curved base get a status") {
   const double nan = std::nan(""), infinity = std::numeric_limits<double>::infinity();
   const auto relief = tests::relief_on(surface::make_sphere(0.5, 24, 12), tests::brick_surface(32));
   const Quat upright = Quat::Identity();
@@ -174,7 +173,7 @@ TEST_CASE("odd bodies on a curved base: a status, no nonsense") {
     CHECK((asked(shape, {Vec3(0.51, 0, 0), upright}, infinity).status & status::wide_margin) != 0);
     CHECK((asked(shape, {Vec3(0.51, 0, 0), upright}, nan).status & status::wide_margin) != 0);
     CHECK(asked(shape, {Vec3(0.51, 0.02, 0), upright}, -1).count > 0);
-    // As deep in as it is large it is still pushed out.
+    // As deep as it is large it is still pushed out.
     const ContactSet deep = asked(shape, {Vec3(0.45, 0.02, 0.01), upright});
     REQUIRE(deep.count > 0);
     CHECK(deep.points[0].normal.x() > 0.5);

@@ -12,7 +12,8 @@ using namespace intaglio::contact;
 
 namespace {
 
-// How far a body at the height of the base plane must be lifted to be out of the relief, to 0.1 mm from above, by brute force.
+// The height by which a body at the base plane must be lifted to be out of the relief, rounded up to 0.1 mm,
+// by brute force.
 double lift(const surface::Surface& s, const Shape& shape, const Pose& pose) {
   double low = 0, high = 0.3;  // across it, far above it
   while (high - low > 1e-4) {
@@ -37,14 +38,14 @@ TEST_CASE("no contact of a convex body is deeper than twice the way up and out")
         Pose pose{place.to_world({random.uniform(0.3, 0.7) * place.size_u(),
                                   random.uniform(0.3, 0.7) * place.size_v(), 0}),
                   tests::any_turn(random)};
-        // Every other one lies flat: those have edges along walls.
+        // Every other pose lies flat: those have edges along walls.
         if (k % 2 != 0) {
           pose.orientation = Quat(Eigen::AngleAxisd(random.uniform(0, 6), place.n()) *
                                   Eigen::AngleAxisd(random.uniform(-0.05, 0.05), place.t()));
         }
         const double overlap = random.uniform(0.0005, 0.008);
         pose.position += (lift(*s, body.shape, pose) - overlap) * place.n();
-        // A fast body asks far ahead.
+        // A fast body has a large margin.
         const double margin = random.uniform() < 0.5 ? 0.002 : 0.03;
         for (const ContactPoint& c : relief_contacts(*s, body.shape, pose, margin))
           worst = std::max(worst, -c.distance / overlap);

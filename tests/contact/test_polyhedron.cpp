@@ -1,5 +1,6 @@
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -33,7 +34,57 @@ TEST_CASE("all points are in their hull, and Euler's formula holds") {
   }
 }
 
-TEST_CASE("what is no hull and no closed mesh is refused in one line") {
+TEST_CASE("a hull keeps its faces and its volume to rounding when it is turned, and in any order of points") {
+  Random random(7);
+  for (int round = 0; round < 20; ++round) {
+    const Quat turn = tests::any_turn(random);
+    std::vector<Vec3> points;
+    for (int k = 0; k < 125; ++k)
+      points.emplace_back(turn * Vec3(k % 5 * 0.1, k / 5 % 5 * 0.2, k / 25 * 0.3));
+    const auto hull = convex_hull(points);
+    REQUIRE(hull);
+    CHECK((*hull)->faces.size() == 6);
+    CHECK((*hull)->vertices.size() == 8);
+    CHECK(mass_properties(ConvexHull{*hull}).volume == doctest::Approx(0.4 * 0.8 * 1.2).epsilon(1e-13));
+    std::reverse(points.begin(), points.end());
+    const auto other = convex_hull(points);
+    REQUIRE(other);
+    CHECK((*other)->faces.size() == 6);
+    CHECK(mass_properties(ConvexHull{*other}).volume == doctest::Approx(0.4 * 0.8 * 1.2).epsilon(1e-13));
+  }
+}
+
+TEST_CASE("a hull keeps bevels and thicknesses of a millionth of its size") {
+  Random random(8);
+  const Quat turn = tests::any_turn(random);
+  std::vector<Vec3> bevelled, plate;
+  for (int k = 0; k < 8; ++k) {
+    const Vec3 sign(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1);
+    for (int axis = 0; axis < 3; ++axis) {
+      Vec3 corner = (1 - 1e-6) * sign;
+      corner[axis] = sign[axis];
+      bevelled.push_back(turn * corner);
+    }
+    plate.push_back(turn * sign.cwiseProduct(Vec3(0.5, 0.5, 0.5e-6)));
+  }
+  const auto box = convex_hull(bevelled), thin = convex_hull(plate);
+  REQUIRE(box);
+  CHECK((*box)->vertices.size() == 24);
+  CHECK((*box)->faces.size() == 26);
+  REQUIRE(thin);
+  CHECK(mass_properties(ConvexHull{*thin}).volume == doctest::Approx(1e-6).epsilon(1e-9));
+}
+
+TEST_CASE("a hull of thousands of points has the corners of its outermost ones") {
+  std::vector<Vec3> points = tests::points_on_ellipsoid(200, Vec3(0.1, 0.05, 0.2), 3);
+  const std::size_t corners = points.size();
+  for (const Vec3& p : tests::points_on_ellipsoid(20'000, Vec3(0.05, 0.025, 0.1), 4)) points.push_back(p);
+  const auto hull = convex_hull(points);
+  REQUIRE(hull);
+  CHECK((*hull)->vertices.size() == corners);
+}
+
+TEST_CASE("points without a hull and meshes that are not closed are refused in one line") {
   const std::vector<Vec3> flat = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}, {0.3, 0.4, 0}};
   CHECK_FALSE(convex_hull(flat));
   CHECK_FALSE(convex_hull(std::vector<Vec3>(10, Vec3(1, 2, 3))));

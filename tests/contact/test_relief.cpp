@@ -60,7 +60,7 @@ TEST_CASE("a flat relief gives the flat answer, at any depth and attitude") {
         pose = settled(*plane, body.shape, pose);
         pose.position.y() += random.uniform(-0.001, 0.002);
         Pose lower = pose;
-        lower.position.y() -= static_cast<double>(static_cast<float>(depth / 0.02)) * 0.02;
+        lower.position.y() -= double(float(depth / 0.02)) * 0.02;
         const ContactSet flat = flat_contacts(*plane, body.shape, pose, 0.0025),
                          ours = relief_contacts(*relief, body.shape, lower, 0.0025);
         INFO(body.name << " " << k);
@@ -134,7 +134,7 @@ TEST_CASE("a symmetric body turned onto itself touches alike") {
   }
 }
 
-TEST_CASE("a texture that is rolled round gives contacts that move along") {
+TEST_CASE("a texture that is shifted cyclically gives shifted contacts") {
   const int n = 48, roll = 11;
   for (const surface::Edge edge : {surface::Edge::wrap, surface::Edge::clamp}) {
     const auto surface_of = [&](int shift) {
@@ -166,7 +166,7 @@ TEST_CASE("a texture that is rolled round gives contacts that move along") {
   }
 }
 
-TEST_CASE("what is reported holds: unit normals, points on the relief, deepest first, names that differ") {
+TEST_CASE("contacts have unit normals, points on the relief, the deepest first, and distinct features") {
   const auto s = tests::brick_surface(128);
   for (const tests::Body& body : tests::bodies(0.1)) {
     Random random(45);
@@ -216,7 +216,7 @@ TEST_CASE("lowered by a little, no body gets deeper by more") {
   }
 }
 
-TEST_CASE("contacts keep their names while a body creeps") {
+TEST_CASE("contacts keep their features while a body creeps") {
   const auto s = tests::brick_surface(128);
   for (const tests::Body& body : tests::bodies(0.1)) {
     Random random(47);
@@ -263,7 +263,7 @@ TEST_CASE("no method allocates") {
   }
 }
 
-TEST_CASE("degenerate questions are answered by a status, not by nonsense") {
+TEST_CASE("invalid queries get a status") {
   const auto s = tests::brick_surface(64);
   const double infinity = std::numeric_limits<double>::infinity(), nan = std::nan("");
   const Quat upright = Quat::Identity();
@@ -306,7 +306,7 @@ TEST_CASE("degenerate questions are answered by a status, not by nonsense") {
   }
 }
 
-TEST_CASE("whatever is asked, numbers stay finite") {
+TEST_CASE("results are finite for any input") {
   const std::vector<std::shared_ptr<const surface::Surface>> surfaces = tests::various_surfaces();
   Random random(49);
   const int count = tests::poses(2000, 100000);

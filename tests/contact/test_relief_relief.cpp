@@ -32,7 +32,7 @@ std::shared_ptr<const surface::Surface> grating(const surface::Placement& placem
 }
 
 // The least distance of points of `one`, a few in each cell, from the patches of the other, by trying all.
-double brute(const PlacedSurface& one, const PlacedSurface& other, double least) {
+double brute(const PosedSurface& one, const PosedSurface& other, double least) {
   const surface::Surface &a = one.surface, &b = other.surface;
   constexpr int fine = 4;
   for (int k = 0; k <= fine * (a.height() - 1); ++k) {
@@ -77,7 +77,7 @@ TEST_CASE("two reliefs: no pair of points is nearer than the first contact") {
     Pose pose{
         Vec3(random.uniform(-0.2, 0.2), 0, random.uniform(-0.15, 0.15)),
         Quat(1, random.uniform(-0.1, 0.1), random.uniform(-1, 1), random.uniform(-0.1, 0.1)).normalized()};
-    const PlacedSurface floor{*ground, {}};
+    const PosedSurface floor{*ground, {}};
     double low = -0.1, high = 0.2;
     for (int n = 0; n < 30; ++n) {
       pose.position.y() = 0.5 * (low + high);
@@ -87,7 +87,7 @@ TEST_CASE("two reliefs: no pair of points is nearer than the first contact") {
     const double ours = deepest(relief_relief_contacts({*body, pose}, floor, margin), margin);
     const double theirs = brute({*body, pose}, floor, brute(floor, {*body, pose}, margin));
     apart += theirs < margin ? 1 : 0;
-    // Ours are points of both reliefs: never nearer than they are.
+    // Contacts are points of both reliefs: never nearer than these are.
     nearer += theirs < ours - 1e-7 ? 1 : 0;
     worst = std::max(worst, ours - theirs);
   }

@@ -106,7 +106,7 @@ TEST_CASE("a ball in the mortar between two bricks is held from both sides") {
   CHECK(held >= 20);
 }
 
-TEST_CASE("degenerate spheres are answered with nothing, not with nonsense, and the status says so") {
+TEST_CASE("degenerate spheres get a status and no contact") {
   const auto s = tests::brick_surface(64);
   const Quat upright = Quat::Identity();
   const double infinity = std::numeric_limits<double>::infinity();
@@ -131,7 +131,7 @@ TEST_CASE("degenerate spheres are answered with nothing, not with nonsense, and 
   }
 }
 
-TEST_CASE("a compound of spheres touches where its spheres do, each under its own name") {
+TEST_CASE("a compound of spheres touches where its spheres do, each with its own feature") {
   const auto s = tests::brick_surface(128);
   Random random(33);
   for (int k = 0; k < 100; ++k) {

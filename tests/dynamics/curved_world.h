@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "dynamics/textured_shape.h"
-#include "tests/contact/curved_bases.h"
+#include "tests/mesh/curved_bases.h"
 #include "tests/dynamics/plain_bullet.h"
 
 namespace intaglio::tests {

@@ -7,7 +7,7 @@
 
 #include "dynamics/world.h"
 #include "intaglio/representation.h"
-#include "tests/contact/curved_bases.h"
+#include "tests/mesh/curved_bases.h"
 
 using namespace intaglio;
 using namespace intaglio::dynamics;

@@ -54,7 +54,7 @@ double height_rms(const Run& a, const Run& b) {
 }  // namespace
 
 TEST_CASE("T3, T4: balls on bricks agree with the same run at 3840 Hz, the better the higher the rate") {
-  const auto s = scene::floor(tests::poses(256, 512));
+  const auto s = scene::floor(tests::quick_or_slow(256, 512));
   const auto balls = scene::balls(*s, tests::poses(25, 100));
   // The rate itself is tested, so no substeps.
   const auto at_rate = [](int rate) {
@@ -74,7 +74,7 @@ TEST_CASE("T3, T4: balls on bricks agree with the same run at 3840 Hz, the bette
 }
 
 TEST_CASE("T5, T7: at 60 Hz and above balls on bricks gain no energy and stay outside") {
-  const auto s = scene::floor(tests::poses(256, 512));
+  const auto s = scene::floor(tests::quick_or_slow(256, 512));
   const auto balls = scene::balls(*s, tests::poses(25, 100));
   const double mgr = balls[0].mass() * scene::gravity * scene::radius;
   for (const int rate : {60, 240, 960}) {
@@ -91,7 +91,7 @@ TEST_CASE("T5, T7: at 60 Hz and above balls on bricks gain no energy and stay ou
 }
 
 TEST_CASE("T6: balls come to rest where they do at 3840 Hz" * doctest::test_suite("statistics")) {
-  const auto s = scene::floor(tests::poses(256, 512));
+  const auto s = scene::floor(tests::quick_or_slow(256, 512));
   auto balls = scene::balls(*s, tests::poses(50, 400), 1, 6);
   // With rolling resistance, so that they stop.
   for (SphereBody& ball : balls) ball.material.rolling_resistance = 0.1;
@@ -115,7 +115,7 @@ TEST_CASE("T6: balls come to rest where they do at 3840 Hz" * doctest::test_suit
     const Rest here = rest(rate);
     MESSAGE(rate << " Hz: in mortar " << 100 * here.in_mortar << " %, mean height " << 1000 * here.height
                  << " mm; at 3840 Hz " << 100 * fine.in_mortar << " %, " << 1000 * fine.height << " mm");
-    if (rate < tests::poses(960, 240)) continue;
+    if (rate < tests::quick_or_slow(960, 240)) continue;
     CHECK(std::abs(here.in_mortar - fine.in_mortar) <= 0.02);
     CHECK(std::abs(here.height - fine.height) <= 0.5e-3);
   }

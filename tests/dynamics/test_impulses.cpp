@@ -12,7 +12,7 @@ namespace scene = intaglio::tests::brick_scene;
 
 TEST_CASE(
     "T11: reported impulses are m dv - m g dt for every ball, none missing or doubled at cell borders") {
-  const auto s = scene::floor(tests::poses(256, 512));
+  const auto s = scene::floor(tests::quick_or_slow(256, 512));
   auto balls = scene::balls(*s, tests::poses(25, 100));
   // Half of them bounce.
   for (std::size_t k = 0; k < balls.size(); k += 2) balls[k].material.restitution = 0.7;

@@ -103,7 +103,7 @@ TEST_CASE("T9: a ball between normals of 60 to 75 degrees does not spin in place
 
 TEST_CASE("T10: bodies on a normal map of bricks gain no energy against the implied height; none is lost" *
           doctest::test_suite("statistics")) {
-  const auto s = scene::floor(tests::poses(128, 512));
+  const auto s = scene::floor(tests::quick_or_slow(128, 512));
   const int count = tests::poses(10, 100), steps = 60 * tests::poses(4, 30);
   for (const scene::NamedShape& named : scene::shapes()) {
     World world(s, scene::material(), normals(60));

@@ -11,7 +11,7 @@
 #include "dynamics/world.h"
 #include "dynamics/world_state.h"
 #include "intaglio/representation.h"
-#include "tests/contact/curved_bases.h"
+#include "tests/mesh/curved_bases.h"
 
 using namespace intaglio;
 using namespace intaglio::dynamics;
@@ -232,11 +232,11 @@ TEST_CASE("blocks with gratings tumble onto a grating, gain no energy, and none 
     blocks.back().pose.orientation = Quat(Eigen::AngleAxisd(0.4 * k + 0.2, Vec3(1, 0.3, 0.5).normalized()));
   }
   Laws laws(world, blocks, {0, -g, 0});
-  laws.run(5, 480);
+  laws.run(tests::is_sampled() ? 0.7 : 5, 480);
   MESSAGE(laws.say() << "; residual " << world.momentum_residual() / (laws.mass(0) * g / 480) << " m g dt");
   for (BodyId k = 1; k <= 3; ++k) {
     CHECK(world.pose(k).position.y() > 0.029);
-    CHECK(world.velocity(k).norm() < 1e-3);
+    if (!tests::is_sampled()) CHECK(world.velocity(k).norm() < 1e-3);
   }
   CHECK(laws.highest == laws.first);
   CHECK(laws.rise < 1e-4 * laws.scale());
@@ -253,15 +253,17 @@ TEST_CASE("a relief ball rolls on a relief floor and pushes a relief block away"
   wall.faces = {grating(0.1, {Vec3(-0.05, 0, 0), on_side, 0.1, 0.1}, 0.004)};
   Laws laws(world, {ball, wall}, {0, -g, 0});
   bool met = false;
-  for (int n = 0; n < 3 * 240; ++n) {
+  for (int n = 0; n < 3 * 240 / (tests::is_sampled() ? 6 : 1); ++n) {
     laws.run(1.0 / 240, 240);
     for (const ContactEvent& e : world.events())
       met = met || (e.body == 1 && e.other == 2 && e.n_g.x() < -0.9);
   }
   MESSAGE(laws.say() << " at " << world.pose(1).position.transpose() << ", block at "
                      << world.pose(2).position.transpose());
-  CHECK(met);
-  CHECK(world.pose(2).position.x() > 0.101);
+  if (!tests::is_sampled()) {
+    CHECK(met);
+    CHECK(world.pose(2).position.x() > 0.101);
+  }
   CHECK(laws.rise < 1e-3 * laws.scale());
   CHECK(world.momentum_residual() < 1e-3 * laws.mass(1) * g / 240);
 }
@@ -283,7 +285,7 @@ TEST_CASE("a ball and a box come to rest in a relief bowl; without relief the bo
     box.pose.position = {-0.2, -0.35, 0.05};
     Laws laws(world, {ball, box}, {0, -g, 0});
     int said = 0;
-    for (int n = 0; n < 4 * 240; ++n) {
+    for (int n = 0; n < 4 * 240 / (tests::is_sampled() ? 6 : 1); ++n) {
       laws.run(1.0 / 240, 240);
       for (const ContactEvent& e : world.events()) {
         if (e.other != floor_body) continue;
@@ -294,12 +296,14 @@ TEST_CASE("a ball and a box come to rest in a relief bowl; without relief the bo
         CHECK(e.uv.y() > 0);
       }
     }
-    CHECK(said > 100);
+    CHECK(said > (tests::is_sampled() ? 0 : 100));
     const Vec3 at = world.pose(1).position;
     MESSAGE(laws.say() << "; ball at " << at.transpose() << ", " << at.norm() << " m from the middle");
-    CHECK(at.norm() > 0.46);
-    CHECK(at.norm() < 0.495);
-    CHECK(world.velocity(2).norm() < 1e-3);
+    if (!tests::is_sampled()) {
+      CHECK(at.norm() > 0.46);
+      CHECK(at.norm() < 0.495);
+      CHECK(world.velocity(2).norm() < 1e-3);
+    }
     CHECK(laws.highest == laws.first);
     CHECK(laws.rise < 1e-4 * laws.scale());
     CHECK(world.momentum_residual() < 1e-3 * laws.mass(0) * g / 240);
@@ -315,7 +319,7 @@ TEST_CASE(
   box.velocity = {0.3, 0, 0.2};
   Laws laws(world, {box}, {0, -g, 0});
   std::size_t met = 0;
-  for (int n = 0; n < 2 * 240; ++n) {
+  for (int n = 0; n < 2 * 240 / (tests::is_sampled() ? 4 : 1); ++n) {
     laws.run(1.0 / 240, 240);
     for (const ContactEvent& e : world.events()) {
       ++met;
@@ -324,9 +328,9 @@ TEST_CASE(
     }
   }
   MESSAGE(laws.say() << "; at " << world.pose(1).position.transpose());
-  CHECK(met > 100);
+  CHECK(met > (tests::is_sampled() ? 0 : 100));
   CHECK(world.pose(1).position.norm() < 0.5);
-  CHECK(world.velocity(1).norm() < 0.01);
+  if (!tests::is_sampled()) CHECK(world.velocity(1).norm() < 0.01);
   CHECK(laws.highest == laws.first);
   // It slides to rest on a few summits, and correcting overlaps lifts it slightly.
   CHECK(laws.rise < 5e-3 * laws.scale());

@@ -36,7 +36,7 @@ TEST_CASE("on 400 closed loops contact gives the hand no energy; the paper's pla
   Random random(7);
   Table conservative{"potential"}, lossy{"potential, friction 0.4, damping 1"},
       plane{"plane at 60 Hz, Eq. 1.3"}, literal{"normals on the flat base, every tick"};
-  constexpr int loops = 400;
+  const int loops = tests::poses(400, 400);
   for (int n = 0; n < loops; ++n) {
     const auto path = tests::closed_loop(*s, random, 10e-6);
     // Where the proxy slips over an edge the force jumps; the quadrature is off by at most half the jump

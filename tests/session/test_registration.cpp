@@ -9,6 +9,7 @@
 
 #include "intaglio/representation.h"
 #include "session/simulation.h"
+#include "tests/sampling.h"
 
 using namespace intaglio;
 using namespace intaglio::scene;
@@ -246,6 +247,7 @@ TEST_CASE("a ball with a grating round it sounds at v / lambda on a flat floor: 
   constexpr int waves = 12;
   constexpr double radius = 0.02, wavelength = tau * radius / waves;
   for (const char* source : {"texels", "height", "engine", "height on relief"}) {
+    if (tests::is_sampled() && std::string(source) != "engine") continue;
     CAPTURE(source);
     const std::string kind = source;
     const bool is_relief = kind == "engine" || kind == "height on relief";

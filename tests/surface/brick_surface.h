@@ -10,6 +10,7 @@
 #include "surface/closest.h"
 #include "surface/import.h"
 #include "surface/surface.h"
+#include "tests/sampling.h"
 
 namespace intaglio::tests {
 
@@ -93,11 +94,6 @@ inline std::vector<std::shared_ptr<const surface::Surface>> various_surfaces() {
 inline Vec2 closest_on_cell(const surface::Cell& cell, const Vec3& p) {
   const surface::PatchPoint found = surface::nearest(surface::LocalPatch(cell, p));
   return {found.s, found.t};
-}
-
-// Number of random poses: few by default, `slow` with INTAGLIO_SLOW=1 in the environment.
-inline int poses(int quick, int slow = 100000) {
-  return std::getenv("INTAGLIO_SLOW") != nullptr ? slow : quick;
 }
 
 // The same tilt everywhere: normals of slope tan(degrees) falling towards +u, depth zero.

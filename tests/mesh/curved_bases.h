@@ -1,4 +1,4 @@
-// Reliefs on curved bases, for the tests of contact with them.
+// Reliefs on curved bases, for the tests of mesh, contact and dynamics.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -10,8 +10,8 @@
 
 #include "core/portable_math.h"
 #include "mesh/relief_mesh.h"
+#include "tests/mesh/mesh_shapes.h"
 #include "tests/surface/brick_surface.h"
-#include "tests/surface/test_mesh_shapes.h"
 
 namespace intaglio::tests {
 
@@ -24,7 +24,7 @@ inline surface::ReliefMesh relief_on(surface::TriangleMesh mesh,
   return *relief;
 }
 
-// The texture `times` times over, begun elsewhere.
+// The texture repeated `times` times, with an offset.
 inline surface::TriangleMesh tiled(surface::TriangleMesh mesh, const Vec2& times,
                                    const Vec2& from = Vec2::Zero()) {
   for (Vec2& uv : mesh.uvs) uv = uv.cwiseProduct(times) + from;

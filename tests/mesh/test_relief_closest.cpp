@@ -1,12 +1,12 @@
 // The closest features of a relief on a curved base, against dense samples of the field, each improved by
-// trial and error: only MeshPlacement and Surface::depth are asked.
+// trial and error; uses only MeshPlacement and Surface::depth.
 #include <algorithm>
 #include <cmath>
 
 #include "core/portable_math.h"
 #include "mesh/relief_closest.h"
-#include "tests/contact/curved_bases.h"
 #include "tests/count_allocations.h"
+#include "tests/mesh/curved_bases.h"
 
 using namespace intaglio;
 using namespace intaglio::surface;
@@ -21,8 +21,8 @@ struct Sampled {
 
 std::vector<Sampled> samples(const ReliefMesh& relief, int in_all) {
   std::vector<Sampled> out;
-  const int count = static_cast<int>(relief.base().mesh().triangles.size());
-  const int fine = std::max(2, static_cast<int>(std::sqrt(2.0 * in_all / count)));
+  const int count = int(relief.base().mesh().triangles.size());
+  const int fine = std::max(2, int(std::sqrt(2.0 * in_all / count)));
   for (int k = 0; k < count; ++k) {
     for (int i = 0; i <= fine; ++i) {
       for (int j = 0; i + j <= fine; ++j) {
@@ -34,7 +34,7 @@ std::vector<Sampled> samples(const ReliefMesh& relief, int in_all) {
   return out;
 }
 
-// The least of `value` over the triangle of a sample, near it: ever smaller steps to where it is less.
+// The least of `value` near a sample, in its triangle: ever smaller steps to where it is less.
 template <class Value>
 double improved(const ReliefMesh& relief, const Sampled& from, double step, const Value& value) {
   Vec3 at = from.weights;
@@ -64,7 +64,7 @@ double sampled(const ReliefMesh& relief, const std::vector<Sampled>& all, const 
   std::vector<std::pair<double, const Sampled*>> by_value;
   for (const Sampled& s : all) by_value.emplace_back(value(s.point), &s);
   const std::size_t some = std::min<std::size_t>(8, by_value.size());
-  std::partial_sort(by_value.begin(), by_value.begin() + static_cast<std::ptrdiff_t>(some), by_value.end());
+  std::partial_sort(by_value.begin(), by_value.begin() + std::ptrdiff_t(some), by_value.end());
   double best = by_value[0].first;
   for (std::size_t k = 0; k < some; ++k)
     best = std::min(best, improved(relief, *by_value[k].second, 0.02, value));
@@ -80,7 +80,7 @@ void check_on_field(const ReliefMesh& relief, const MeshFeature& f) {
 
 }  // namespace
 
-TEST_CASE("the closest point of a relief on a curved base: no sample of the field is nearer") {
+TEST_CASE("no sample of the field is nearer than the closest point of a relief on a curved base") {
   for (const auto& [name, relief, radius, is_torn] : tests::various_reliefs()) {
     const auto all = samples(relief, 30000);
     Random random(61);
@@ -100,7 +100,7 @@ TEST_CASE("the closest point of a relief on a curved base: no sample of the fiel
   }
 }
 
-TEST_CASE("the nearest of a segment, and the lowest along a direction: no sample is nearer or lower") {
+TEST_CASE("no sample is nearer than the nearest to a segment, nor lower than the lowest along a direction") {
   for (const auto& [name, relief, radius, is_torn] : tests::various_reliefs()) {
     const auto all = samples(relief, 30000);
     Random random(62);
@@ -118,7 +118,7 @@ TEST_CASE("the nearest of a segment, and the lowest along a direction: no sample
         return (x - from - s * along).norm();
       };
       const double theirs = sampled(relief, all, distance), excess = std::abs(ours->distance) - theirs;
-      // Where the segment goes through, all of it is nearest, and the search stops near enough.
+      // Where the segment crosses the relief, every crossing is nearest, and the search stops near enough.
       (theirs > 1e-4 ? worst : worst_through) = std::max(theirs > 1e-4 ? worst : worst_through, excess);
 
       const Vec3 down = tests::any_vector(random, 1).normalized();
@@ -137,7 +137,7 @@ TEST_CASE("the nearest of a segment, and the lowest along a direction: no sample
   }
 }
 
-TEST_CASE("the side of a closest point: above and below the relief on lines along the base's normal") {
+TEST_CASE("the side of a closest point is right above and below the relief along the base's normal") {
   for (const auto& [name, relief, radius, is_torn] : tests::various_reliefs()) {
     if (is_torn) continue;  // where it is, nothing is on either side of the gap
     Random random(63);
@@ -158,8 +158,8 @@ TEST_CASE("the side of a closest point: above and below the relief on lines alon
   }
 }
 
-TEST_CASE("several features: each a local minimum, directions apart, nearest first; nothing allocates") {
-  // A base without a seam: at a tear other rules hold.
+TEST_CASE("features are local minima with distinct directions, nearest first, and nothing allocates") {
+  // A base without a seam: at a tear this does not hold.
   const auto relief =
       tests::relief_on(tests::wavy(11), tests::rough_surface(24, 24, Edge::clamp, 0.4, 3, 0.04));
   Random random(64);
@@ -192,7 +192,7 @@ TEST_CASE("several features: each a local minimum, directions apart, nearest fir
   CHECK(several > 20);
 }
 
-TEST_CASE("a base that folds is refused and says where; odd questions to a relief have no answer") {
+TEST_CASE("a base that folds is refused with the place; invalid queries of a relief have no answer") {
   auto base = MeshPlacement::make(make_cylinder(0.01, 1, 32, 1), "pin.obj");
   REQUIRE(base);
   const auto folded = ReliefMesh::make(tests::brick_surface(32), *base);

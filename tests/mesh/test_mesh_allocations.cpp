@@ -4,13 +4,13 @@
 
 #include "core/portable_math.h"
 #include "tests/count_allocations.h"
-#include "tests/surface/test_mesh_shapes.h"
+#include "tests/mesh/mesh_shapes.h"
 
 using namespace intaglio;
 using namespace intaglio::surface;
 using namespace intaglio::tests;
 
-TEST_CASE("queries do not allocate, and answer any point") {
+TEST_CASE("queries do not allocate and accept any point") {
   const auto placement = MeshPlacement::make(make_sphere(0.5, 64, 32));
   REQUIRE(placement);
   Random random(7);

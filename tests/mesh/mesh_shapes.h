@@ -1,4 +1,4 @@
-// Meshes and random points on them, for the tests of surface/mesh/.
+// Meshes and random points on them, for the tests of src/mesh.
 #pragma once
 
 #include <cmath>

@@ -6,7 +6,7 @@
 
 #include "core/portable_math.h"
 #include "mesh/base_patch.h"
-#include "tests/surface/test_mesh_shapes.h"
+#include "tests/mesh/mesh_shapes.h"
 
 using namespace intaglio;
 using namespace intaglio::surface;
@@ -19,7 +19,7 @@ double difference(const BasePoint& a, const BasePoint& b) {
                    (a.t - b.t).norm(), (a.b - b.b).norm(), (a.n - b.n).norm()});
 }
 
-// The independent way to the heights above one triangle: Newton's method in (w1, w2, s) from several starts.
+// The heights above one triangle by an independent method: Newton's in (w1, w2, s) from several starts.
 double height_by_newton(const BasePatch& patch, const Vec3& point) {
   double best = std::numeric_limits<double>::infinity();
   for (const double start : {0.0, -0.05, 0.05}) {
@@ -121,7 +121,7 @@ TEST_CASE("moving the mesh and the point together leaves the answer unchanged") 
   CHECK(worst < 1e-11);
 }
 
-TEST_CASE("world -> (u, v, height) -> world goes round on curved shapes") {
+TEST_CASE("world -> (u, v, height) -> world round-trips on curved shapes") {
   struct Shape {
     std::string name;
     TriangleMesh mesh;
@@ -142,7 +142,7 @@ TEST_CASE("world -> (u, v, height) -> world goes round on curved shapes") {
       const auto found = placement->closest(given.world(), 2);
       REQUIRE(found);
       worst = std::max(worst, difference(given, *found));
-      // And through the texture coordinate alone, as a renderer or a sound goes.
+      // Also through the texture coordinate alone, as a renderer or a sound does.
       const auto again = placement->to_world(found->uv, found->height);
       REQUIRE(again);
       worst = std::max(worst, (*again - given.world()).norm());
@@ -154,7 +154,7 @@ TEST_CASE("world -> (u, v, height) -> world goes round on curved shapes") {
   }
 }
 
-TEST_CASE("of all triangles the nearest base point is found") {
+TEST_CASE("the nearest base point of all triangles is found") {
   const auto placement = MeshPlacement::make(wavy(12));
   REQUIRE(placement);
   Random random(4);
@@ -192,7 +192,7 @@ TEST_CASE("no height is less than the distance to the flat triangle, and bounds 
     const Vec3 w = any_weights(random);
     const Vec3 point = k % 2 == 0 ? any_vector(random, 1.5)
                                   : Vec3(patch.position(w) + random.uniform(-0.9, 0.9) * patch.normal(w));
-    const double distance = flat_distance(patch, point);
+    const double distance = triangle_distance(patch, point);
     double sampled = std::numeric_limits<double>::infinity();
     for (int a = 0; a <= 60; ++a) {
       for (int b = 0; a + b <= 60; ++b)
@@ -215,7 +215,7 @@ TEST_CASE("no height is less than the distance to the flat triangle, and bounds 
   CHECK(ruled_out > 100);
 }
 
-TEST_CASE("a texture coordinate is found in the triangle that holds it") {
+TEST_CASE("a texture coordinate is found in the triangle that contains it") {
   const auto placement = MeshPlacement::make(wavy(17));
   REQUIRE(placement);
   Random random(5);
@@ -240,7 +240,7 @@ TEST_CASE("stretch is how the base moves with u and v") {
     const auto at = placement->at(uv);
     REQUIRE(at);
     const Eigen::Matrix2d metres = placement->stretch(*at);
-    // A triangle has the stretch of its own parallel, at most one band from here: by so much it may differ.
+    // A triangle has the stretch of its own parallel, at most one band from here; it may differ by as much.
     const double latitude = pi * (uv.y() - 0.5), band = pi / 100;
     CHECK(metres(0, 0) == doctest::Approx(2 * pi * radius * std::cos(latitude))
                               .epsilon(std::tan(std::abs(latitude)) * band + band * band));
@@ -260,7 +260,7 @@ TEST_CASE("two builds of a mesh give the same bits, from any thread") {
   const auto compare = [&](std::size_t seed) {
     Random random(seed / 2);  // two threads ask the same, two others something else
     for (int k = 0; k < 2000; ++k) {
-      // Points above vertices and edges too, where triangles tie.
+      // Also points above vertices and edges, where triangles tie.
       const Vec3 weights = k % 3 == 0 ? Vec3(1, 0, 0) : k % 3 == 1 ? Vec3(0.5, 0.5, 0) : any_weights(random);
       const Vec3 p = first->to_world(any_triangle(random, *first), weights, random.uniform(-0.02, 0.05));
       const auto a = first->closest(p, 0.1);

@@ -1,4 +1,4 @@
-#include "tests/surface/test_mesh_writers.h"
+#include "tests/mesh/mesh_writers.h"
 
 #include <fmt/format.h>
 
@@ -52,7 +52,7 @@ TEST_CASE("a glTF node's transform moves the mesh; a mirroring one keeps its out
   CHECK(out.t.cross(out.b).dot(out.n) == doctest::Approx(-1));  // its texture is mirrored
 }
 
-TEST_CASE("what is missing or degenerate is repaired, and said") {
+TEST_CASE("missing and degenerate parts are repaired and noted") {
   const TriangleMesh sphere = make_sphere(0.5, 32, 16);
   std::string bare;
   for (std::size_t k = 0; k < sphere.positions.size(); ++k) {
@@ -77,7 +77,7 @@ TEST_CASE("what is missing or degenerate is repaired, and said") {
   for (Triangle& triangle : inside_out.triangles) std::swap(triangle[0], triangle[1]);
   const auto turned = checked(inside_out, "quad");
   REQUIRE(turned);
-  CHECK(says(turned->notes.at(0), "2 triangles wound against"));
+  CHECK(says(turned->notes.at(0), "2 triangles were flipped"));
   CHECK(checked(*turned, "again")->notes.size() == 1);
 }
 

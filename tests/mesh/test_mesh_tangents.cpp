@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "core/portable_math.h"
-#include "tests/surface/test_mesh_shapes.h"
+#include "tests/mesh/mesh_shapes.h"
 
 using namespace intaglio;
 using namespace intaglio::surface;
@@ -56,7 +56,7 @@ TriangleMesh mirrored_pair() {
 
 }  // namespace
 
-TEST_CASE("frames are orthonormal wherever one asks") {
+TEST_CASE("frames are orthonormal everywhere") {
   for (const TriangleMesh& mesh :
        {wavy(9), make_sphere(1, 12, 7), make_bowl(1, 5, 3), make_cylinder(1, 1, 3, 1), mirrored_pair()}) {
     const auto placement = MeshPlacement::make(mesh);

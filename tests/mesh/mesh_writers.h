@@ -1,16 +1,16 @@
-// Mesh files of known meshes, written by the tests of surface/mesh/, and what their errors say.
+// Writes mesh files of known meshes for the tests of src/mesh, and reads their errors.
 #pragma once
 
 #include <doctest/doctest.h>
 
+#include <fmt/format.h>
 #include <cstring>
 #include <filesystem>
 #include <limits>
-#include <fmt/format.h>
 
 #include "core/file.h"
 #include "mesh/mesh_file.h"
-#include "tests/surface/test_mesh_shapes.h"
+#include "tests/mesh/mesh_shapes.h"
 #include "tests/temporary_folder.h"
 
 namespace intaglio::tests {

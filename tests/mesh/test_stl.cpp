@@ -18,7 +18,7 @@ const std::string ascii =
     "solid thing with spaces\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   vertex 0 +2e0 "
     "0\n  endloop\n endfacet\nendsolid thing\n";
 
-// One triangle; the header starts with "solid", as careless writers have it.
+// One triangle; the header starts with "solid", as some careless writers have it.
 std::vector<std::uint8_t> binary(std::uint32_t count, float last) {
   std::vector<std::uint8_t> bytes(84 + 50, 0);
   std::memcpy(bytes.data(), "solid", 5);

@@ -1,0 +1,85 @@
+#!/usr/bin/env bash
+# The installed library as others use it: for each component a CMake project of ten lines, outside the source tree, against a prefix that
+# was installed just now; built without a warning, and run. Then headers by themselves, pkg-config, and what must not be linked.
+#   tests/install.sh BUILD_DIR [PREFIX]     with PREFIX (/usr, of packages) nothing is installed
+set -euo pipefail
+cd "$(dirname "$0")/.."
+source=$PWD
+build=$(cd "$1" && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+prefix=${2:-$work/prefix}
+[ -n "${2:-}" ] || cmake --install "$build" --prefix "$prefix" >"$work/install.log" || { tail -5 "$work/install.log" >&2; exit 1; }
+failed=0
+check() { # WHAT COMMAND...
+  local what=$1
+  shift
+  if "$@" >"$work/log" 2>&1; then
+    echo "$what: ok"
+  else
+    echo "$what: FAILED"
+    tail -15 "$work/log"
+    failed=1
+  fi
+}
+
+consumer() { # COMPONENTS EXAMPLE [ARGUMENTS]
+  local folder=$work/$2
+  mkdir "$folder"
+  cp "$source/examples/$2.cpp" "$folder/main.cpp"
+  cat >"$folder/CMakeLists.txt" <<CMAKE
+cmake_minimum_required(VERSION 3.24)
+project(consumer LANGUAGES CXX)
+find_package(Intaglio 0.1 REQUIRED COMPONENTS $1)
+add_executable(consumer main.cpp)
+target_compile_options(consumer PRIVATE -Wall -Wextra -Wpedantic -Werror)
+target_link_libraries(consumer PRIVATE intaglio::${1// / intaglio::})
+CMAKE
+  [[ $2 != bullet_* ]] || echo "target_link_libraries(consumer PRIVATE PkgConfig::bullet)" >>"$folder/CMakeLists.txt"
+  # As a project of the outside: no compiler cache's folders, no flags of ours.
+  cmake -S "$folder" -B "$folder/build" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_BUILD_TYPE=Release && cmake --build "$folder/build" || return 1
+  shift 2
+  (cd "$folder" && timeout 120 build/consumer "$@")
+}
+model=$(find "$source/scenes/models" -name '*.modes' -size -200k | sort | head -1)
+# COMPONENTS|EXAMPLE|ARGUMENTS
+cases=("core|materials" "surface|texture_report" "mesh|curved_surface" "contact|other_engine" "dynamics|bullet_floor" "dynamics|ball_on_brick"
+  "dynamics haptics|touch_a_wall" "vrpn|vrpn_pen" "sound|struck_ball|$model" "dynamics audio bake|live_sound" "bake|bake_ball"
+  "render|picture" "scene|scene_info|$source/scenes/brick.toml" "session report|simulate_scene")
+for case in "${cases[@]}"; do
+  IFS='|' read -r components example arguments <<<"$case"
+  check "find_package(Intaglio COMPONENTS $components): examples/$example.cpp" consumer "$components" "$example" ${arguments:+"$arguments"}
+done
+
+# With pkg-config, where shared libraries were installed or static ones.
+with_pkg_config() { # COMPONENT EXAMPLE
+  export PKG_CONFIG_PATH=$prefix/lib/pkgconfig:$(echo "$prefix"/lib/*/pkgconfig)
+  local static=--static
+  ls "$prefix"/lib/libintaglio-core.so "$prefix"/lib/*/libintaglio-core.so >/dev/null 2>&1 && static=
+  # shellcheck disable=SC2046
+  g++ -std=c++20 "$source/examples/$2.cpp" -o "$work/$2.bin" $(pkg-config $static --cflags --libs "intaglio-$1") &&
+    "$work/$2.bin" "${@:3}"
+}
+check "pkg-config intaglio-surface" with_pkg_config surface texture_report
+check "pkg-config intaglio-sound" with_pkg_config sound struck_ball "$model"
+
+# Each public header compiles by itself, with nothing else on its path, in both compilers.
+headers() { # COMPILER
+  local header compiler=$1 bad=0
+  for header in "$prefix"/include/intaglio/*.h; do
+    printf '#include <intaglio/%s>\n#include <intaglio/%s>\n' "$(basename "$header")" "$(basename "$header")" >"$work/header.cpp"
+    # shellcheck disable=SC2046
+    "$compiler" -std=c++20 -Wall -Wextra -Wpedantic -Werror -fsyntax-only -I"$prefix/include" -isystem /usr/include/eigen3 \
+      $(pkg-config --cflags-only-I bullet | sed 's/-I/-isystem /g') "$work/header.cpp" || bad=1
+  done
+  return $bad
+}
+check "public headers by themselves, g++" headers g++
+if command -v clang++-14 >/dev/null; then check "public headers by themselves, clang++-14" headers clang++-14; fi
+
+# Whoever plays sound links nothing that bakes it, and no sound card.
+lean() { ! ldd "$work/struck_ball/build/consumer" | grep -E 'mumps|metis|blas|lapack|rtaudio|sndfile|Bullet|GL'; }
+check "a program that plays sound links no MUMPS, METIS, BLAS, RtAudio, libsndfile, Bullet or OpenGL" lean
+count=$(find "$prefix/include/intaglio" -name '*.h' | wc -l)
+check "at most 60 installed headers ($count)" test "$count" -le 60
+exit $failed
