@@ -6,7 +6,7 @@
 #include <iostream>
 
 int main(int argc, char** argv) {
-  const auto model = intaglio::bake(intaglio::Sphere{0.05}, "steel", {.name = "ball", .modes = 30});
+  const auto model = intaglio::bake(intaglio::Sphere{0.1}, "steel", {.name = "ball", .modes = 30});
   if (!model) {
     std::cerr << model.error() << '\n';
     return 1;

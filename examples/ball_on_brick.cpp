@@ -16,5 +16,5 @@ int main() {
     if (e.phase == intaglio::ContactPhase::begin)
       std::cout << e.time << " s  " << e.point.transpose() << "  " << e.impulse.norm() << " N s\n";
   std::cout << "at rest at " << world.pose(*ball).position.transpose() << '\n';
-  return world.pose(*ball).position.y() > 0 ? 0 : 1;
+  return world.pose(*ball).position.y() > -0.1 ? 0 : 1;  // on a brick, or between two
 }

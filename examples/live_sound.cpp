@@ -13,14 +13,14 @@ using namespace intaglio;
 
 int main(int argc, char** argv) {
   const auto wall = Surface::load("brick", {.size = {1, 1}}).value();
-  const auto ball_model = bake(Sphere{0.03}, "steel", {.modes = 20});
+  const auto ball_model = bake(Sphere{0.1}, "steel", {.modes = 20});
   const auto slab_model = bake(Box{{0.5, 0.025, 0.5}}, "brick", {.modes = 20, .max_elements = 2000});
   if (!ball_model || !slab_model) {
     std::cerr << (ball_model ? slab_model : ball_model).error() << '\n';
     return 1;
   }
   auto world = World::create({.floor = wall}).value();
-  const BodyId ball = world.add(Sphere{0.03}, {.material = "steel", .position = {0, 0.3, 0}}).value();
+  const BodyId ball = world.add(Sphere{0.1}, {.material = "steel", .position = {0, 0.3, 0}}).value();
 
   auto card = AudioOutput::open({.device = argc > 1 ? argv[1] : "null"});
   if (!card) {

@@ -87,8 +87,8 @@ printf '[[body]]\nsize = [10, 0.001, 10]\nmaterial = { name = "steel", youngs_mo
 expect "a sheet too soft" 'sheet\.toml: modal analysis of the box 1 of steel failed: .*stiffer' render "$work/sheet.toml"
 expect "a device for a scene" 'pipe\.wav: is a device or pipe' sh -c "mkfifo '$work/pipe.wav'; '$intaglio' -q render '$work/pipe.wav' -o '$work/out/x.mp4'"
 expect "a size twice" 'r is given twice' bake sphere:r=0.05,r=0.1 --material steel
-expect "a mesher for a shape" 'takes no --mesher' bake sphere:r=0.05 --material steel --mesher netgen
-expect "a scale for a shape" 'takes no --scale' bake sphere:r=0.05 --material steel --scale 2
+expect "a mesher for a shape" 'take no --mesher' bake sphere:r=0.05 --material steel --mesher netgen
+expect "a scale for a shape" 'take no --scale' bake sphere:r=0.05 --material steel --scale 2
 cuboid() {
   printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nv 0 0 1\nv 1 0 1\nv 0 1 1\nv 1 1 1\n'
   printf 'f 1 3 2\nf 2 3 4\nf 5 6 7\nf 6 8 7\nf 1 2 5\nf 2 6 5\nf 3 7 4\nf 4 7 8\nf 1 5 3\nf 3 5 7\nf 2 4 6\nf 4 8 6\n'

@@ -16,7 +16,7 @@ for other in 1-2 2-1; do
   done
 done
 # Replaying the pen's log gives the same forces.
-"$intaglio" -q replay "$work/1-1.servo.csv" --scene "$work/scene.toml" -o "$work/felt.html" | grep -q "difference of force is 0 N"
+"$intaglio" -q replay "$work/1-1.servo.csv" --scene "$work/scene.toml" -o "$work/felt.html" | grep -q "largest force difference 0 N"
 grep -q "<svg" "$work/felt.html"
 [ "$(wc -l <"$work/1-1.events.csv")" -gt 100 ]
 echo "three runs are the same to the bit"

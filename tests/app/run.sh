@@ -192,7 +192,7 @@ check "a body that is not there and a device that has not answered are said with
   "any('asked.events:1: there is no body 99' in m for m in r['messages']) and any('asked.events:2: Nobody0@127.0.0.1:1' in m for m in r['messages'])"
 check "recordings into a file" refused 'dot\.png: is a file; --record-to takes a folder' "$intaglio" run --record-to "$work/dot.png"
 check "recordings below a file" refused 'dot\.png/x: has a file as parent' "$intaglio" run --record-to "$work/dot.png/x"
-check "no such sound card" refused 'nobody' "$intaglio" run --audio nobody
+check "no such sound card" refused 'no audio device|nobody' "$intaglio" run --audio nobody
 check "no such pen" refused 'Nobody' "$intaglio" run --audio null --device Nobody0@127.0.0.1:1
 check "a texture that is not there" refused 'none\.png' "$intaglio" run --audio null --surface "$work/none.png" --fresh
 

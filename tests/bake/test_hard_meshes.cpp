@@ -203,7 +203,7 @@ std::vector<Hard> broken_ones() {
       {"no triangles", "v 0 0 0\nv 1 0 0\n", 0, "no "},
       {"an empty file", "", 0, "no "},
       {"not a number", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", 0, "nan|finite|number"},
-      {"a vertex that is not there", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", 0, "not there"},
+      {"a vertex that is not there", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", 0, "missing position"},
       {"paper", as_obj(test::cuboid({1, 1, 0.0002})), 0, "thick"},
       {"a grain of dust", as_obj(moved(ball, Vec3::Zero(), 1e-4)), 0, "mode"},
   };

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "dynamics/textured_shape.h"
-#include "tests/mesh/curved_bases.h"
 #include "tests/dynamics/plain_bullet.h"
+#include "tests/mesh/curved_bases.h"
 
 namespace intaglio::tests {
 
