@@ -60,6 +60,7 @@ function(intaglio_installed name description deps modules packages libs)
       string(APPEND libs_private " -l${library}")
     endif()
   endforeach()
+  file(RELATIVE_PATH to_prefix /${CMAKE_INSTALL_LIBDIR}/pkgconfig /) # so that what is installed can be moved
   configure_file(${PROJECT_SOURCE_DIR}/cmake/intaglio.pc.in ${PROJECT_BINARY_DIR}/pkgconfig/intaglio-${name}.pc @ONLY)
   install(FILES ${PROJECT_BINARY_DIR}/pkgconfig/intaglio-${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT development)
 endfunction()
