@@ -77,7 +77,7 @@ headers() { # COMPILER
 check "public headers by themselves, g++" headers g++
 if command -v clang++-14 >/dev/null; then check "public headers by themselves, clang++-14" headers clang++-14; fi
 
-# Whoever plays sound links nothing that bakes it, and no sound card.
+# A program that plays sound links nothing that bakes it, and no sound card.
 lean() { ! ldd "$work/struck_ball/build/consumer" | grep -E 'mumps|metis|blas|lapack|rtaudio|sndfile|Bullet|GL'; }
 check "a program that plays sound links no MUMPS, METIS, BLAS, RtAudio, libsndfile, Bullet or OpenGL" lean
 count=$(find "$prefix/include/intaglio" -name '*.h' | wc -l)

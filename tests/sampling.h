@@ -5,8 +5,8 @@
 
 namespace intaglio::tests {
 
-// Under sanitizers script/test sets INTAGLIO_SAMPLE: long runs are then cut short. Sanitizers find their faults in the first steps; the
-// release tests run all of them. With INTAGLIO_SLOW=1, too, all are run.
+// Under sanitizers script/test sets INTAGLIO_SAMPLE: long runs are then cut short. Sanitizers find their
+// faults in the first steps; the release tests run all of them. With INTAGLIO_SLOW=1, too, all are run.
 inline bool is_sampled() {
   return std::getenv("INTAGLIO_SAMPLE") != nullptr && std::getenv("INTAGLIO_SLOW") == nullptr;
 }

@@ -9,9 +9,9 @@ using intaglio::ContactPoint;
 using intaglio::ContactSet;
 namespace status = contact_status;
 
-// The contact point of a sphere on a normal map: the point q (metres) at which a sphere of centre c and radius r
-// touches the plane that the sampled unit normal n_s stands for. An impulse along n_s through q passes through
-// the centre and leaves the angular velocity unchanged.
+// The contact point q (metres) of a sphere of centre c and radius r on a normal map: where it touches the
+// plane that has the sampled unit normal n_s. An impulse along n_s through q passes through the centre and
+// leaves the angular velocity unchanged.
 // Eq. 1.2, Sterling & Lin 2016, §1.2.3.2
 inline Vec3 sphere_contact_point(const Vec3& c, double r, const Vec3& n_s) {
   return c - r * n_s;

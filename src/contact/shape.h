@@ -20,8 +20,9 @@ using intaglio::Mesh;
 using intaglio::Shape;
 using intaglio::Sphere;
 
-// Of what a closed surface encloses, given triangle by triangle, counter-clockwise seen from outside: the
-// sums over tetrahedra under them. Of an open surface the volume means nothing.
+// Mass properties of the volume inside a closed surface, which is added triangle by triangle,
+// counter-clockwise seen from outside: sums over the tetrahedra between the origin and each triangle. The
+// volume of an open surface means nothing.
 class EnclosedMass {
  public:
   void add(const Vec3& a, const Vec3& b, const Vec3& c);

@@ -31,10 +31,10 @@ std::vector<std::uint8_t> encode(const Image<T>& image) {
   const std::unique_ptr<spng_ctx, void (*)(spng_ctx*)> context(spng_ctx_new(SPNG_CTX_ENCODER), spng_ctx_free);
   spng_set_option(context.get(), SPNG_ENCODE_TO_BUFFER, 1);
   spng_ihdr header{};
-  header.width = static_cast<std::uint32_t>(image.width);
-  header.height = static_cast<std::uint32_t>(image.height);
+  header.width = std::uint32_t(image.width);
+  header.height = std::uint32_t(image.height);
   header.bit_depth = 8 * sizeof(T);
-  header.color_type = static_cast<std::uint8_t>(color_type(image.channels));
+  header.color_type = std::uint8_t(color_type(image.channels));
   spng_set_ihdr(context.get(), &header);
   int status = spng_encode_image(context.get(), image.data.data(), image.data.size() * sizeof(T),
                                  SPNG_FMT_PNG, SPNG_ENCODE_FINALIZE);

@@ -1,9 +1,9 @@
-#include "core/text.h"
 #include "intaglio/material.h"
+#include "core/text.h"
 
+#include <fmt/format.h>
 #include <array>
 #include <vector>
-#include <fmt/format.h>
 
 namespace intaglio {
 

@@ -1,9 +1,9 @@
 #include "core/toml.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fmt/format.h>
 
 #include "core/file.h"
 #include "core/text.h"

@@ -37,7 +37,7 @@ class Nearest {
   Nearest(const DistanceFrom& from, double limit) : from_(from), limit_(limit) {}
 
   double limit() const { return limit_; }
-  double lower_bound(const Box& box) const { return from_.lower_bound(box); }
+  double lower_bound(const Bounds& box) const { return from_.lower_bound(box); }
   double lower_bound(const LinearPiece& piece) const { return from_.lower_bound(piece); }
   void visit(const ReliefPiece& piece) {
     PieceMinimiser<DistanceFrom> minimiser(piece, from_, limit_value());
@@ -86,7 +86,7 @@ class NextNearest {
       : relief_(relief), from_(from), limit_(limit), cones_(cones) {}
 
   double limit() const { return limit_; }
-  double lower_bound(const Box& box) const { return from_.lower_bound(box); }
+  double lower_bound(const Bounds& box) const { return from_.lower_bound(box); }
   double lower_bound(const LinearPiece& piece) const {
     const double bound = from_.lower_bound(piece);
     if (bound < limit_ && cones_.contains_ball(piece.middle - from_.centre, piece.radius()))
@@ -99,7 +99,8 @@ class NextNearest {
     const Vec2 weights = minimiser.best().weights;
     const double distance = PointDistance::distance(minimiser.best().value);
     const Vec3 away = from_.centre - piece.point(weights);
-    if (distance == 0 || away.dot(piece.base_normal(weights)) <= 0 || cones_.contains(away / distance)) return;
+    if (distance == 0 || away.dot(piece.base_normal(weights)) <= 0 || cones_.contains(away / distance))
+      return;
     MeshFeature next = feature_of(piece, weights);
     if (!is_local_minimum(relief_, next, from_.centre)) return;
     next.distance = distance;
@@ -124,7 +125,7 @@ class Lowest {
       : from_(from), limit_(limit), others_(others), apart_(apart) {}
 
   double limit() const { return limit_; }
-  double lower_bound(const Box& box) const { return from_.lower_bound(box); }
+  double lower_bound(const Bounds& box) const { return from_.lower_bound(box); }
   double lower_bound(const LinearPiece& piece) const {
     if (!others_.empty() && is_near(piece.middle, apart_ - piece.radius()))
       return std::numeric_limits<double>::infinity();

@@ -9,7 +9,7 @@
 
 namespace intaglio::surface {
 
-BoxTree::BoxTree(std::span<const Box> boxes) : items_(boxes.size()) {
+BoxTree::BoxTree(std::span<const Bounds> boxes) : items_(boxes.size()) {
   std::iota(items_.begin(), items_.end(), 0);
   nodes_.reserve(2 * boxes.size());
   if (!boxes.empty()) build(boxes, 0, int(boxes.size()));
@@ -17,11 +17,11 @@ BoxTree::BoxTree(std::span<const Box> boxes) : items_(boxes.size()) {
 }
 
 // Depth is the logarithm of the count, plus or minus one: median splits.
-int BoxTree::build(std::span<const Box> boxes, int first, int count) {
+int BoxTree::build(std::span<const Bounds> boxes, int first, int count) {
   const int index = int(nodes_.size());
-  Box box, middles;
+  Bounds box, middles;
   for (int k = first; k < first + count; ++k) {
-    const Box& item = boxes[std::size_t(items_[std::size_t(k)])];
+    const Bounds& item = boxes[std::size_t(items_[std::size_t(k)])];
     box.extend(item);
     middles.extend(item.center());
   }
@@ -46,11 +46,11 @@ int BoxTree::build(std::span<const Box> boxes, int first, int count) {
 namespace {
 
 // Bounds of the relief over a triangle: p + z N is within its prism, and z n is z (1 - |N|) away from there.
-Box prism_bounds(const Surface& surface, const TriangleMesh& mesh, int triangle, double min_length) {
+Bounds prism_bounds(const Surface& surface, const TriangleMesh& mesh, int triangle, double min_length) {
   Eigen::AlignedBox2d uv;
   for (const int k : mesh.triangles[std::size_t(triangle)]) uv.extend(mesh.uvs[std::size_t(k)]);
   const HeightRange z = surface.is_flat() ? HeightRange{} : height_range(surface, uv.min(), uv.max());
-  Box box;
+  Bounds box;
   const BasePatch patch = patch_of(mesh, triangle);
   for (std::size_t k = 0; k < 3; ++k) {
     box.extend(Vec3(patch.p[k] + z.low * patch.n[k]));
@@ -78,12 +78,13 @@ double texel_size_of(const MeshPlacement& base, const Surface& surface) {
 
 Result<ReliefMesh> ReliefMesh::make(std::shared_ptr<const Surface> surface, MeshPlacement base) {
   if (!surface) return fail("relief mesh", "has no surface", "pass one");
-  const double max_depth = surface->is_flat() ? 0 : surface->max_depth() * surface->pyramid().total_range().deep;
+  const double max_depth =
+      surface->is_flat() ? 0 : surface->max_depth() * surface->pyramid().total_range().deep;
   if (const auto possible = base.check_depth(max_depth); !possible && max_depth > 0)
     return tl::unexpected(possible.error());
   const CellGrid cells(*surface);
   const TriangleMesh& mesh = base.mesh();
-  std::vector<Box> boxes;
+  std::vector<Bounds> boxes;
   boxes.reserve(mesh.triangles.size());
   for (int k = 0; k < int(mesh.triangles.size()); ++k)
     boxes.push_back(prism_bounds(*surface, mesh, k, ReliefTriangle(mesh, cells.texels(), k).min_length));

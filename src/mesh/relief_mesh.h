@@ -26,7 +26,7 @@
 
 namespace intaglio::surface {
 
-using Box = Eigen::AlignedBox3d;
+using Bounds = Eigen::AlignedBox3d;
 
 // Bounding volume hierarchy for nearest-first searches. The order of visits depends on nothing but the boxes,
 // so that an answer is the same on every machine.
@@ -36,10 +36,10 @@ using Box = Eigen::AlignedBox3d;
 class BoxTree {
  public:
   BoxTree() = default;
-  explicit BoxTree(std::span<const Box> boxes);
+  explicit BoxTree(std::span<const Bounds> boxes);
 
   // Bounds of all boxes.
-  Box bounds() const { return nodes_.empty() ? Box() : nodes_.front().box; }
+  Bounds bounds() const { return nodes_.empty() ? Bounds() : nodes_.front().box; }
 
   // Calls visit(item) for those whose box has lower_bound(box) < limit(), roughly nearest first; limit() may
   // shrink during the search.
@@ -75,10 +75,10 @@ class BoxTree {
 
   // A leaf holds items_[next] and on; otherwise the first child follows it and the second is `next`.
   struct Node {
-    Box box;
+    Bounds box;
     int next, count;
   };
-  int build(std::span<const Box> boxes, int first, int count);
+  int build(std::span<const Bounds> boxes, int first, int count);
 
   std::vector<Node> nodes_;
   std::vector<int> items_;
@@ -92,7 +92,7 @@ class ReliefMesh {
   const Surface& surface() const { return *data_->surface; }
   const MeshPlacement& base() const { return data_->base; }
   // Bounding box of the relief, metres.
-  Box bounds() const { return data_->tree.bounds(); }
+  Bounds bounds() const { return data_->tree.bounds(); }
   // The side of a texel on the mesh in metres: the square root of its mean area. For a flat relief, the size
   // of a triangle.
   double texel_size() const { return data_->texel_size; }
@@ -105,8 +105,8 @@ class ReliefMesh {
   // The same from the point alone: of the triangle whose relief contains it.
   std::optional<BasePoint> base_below(int triangle, const Vec3& point) const;
 
-  // Metres of the texture, along u and v, that a metre of motion in the world sweeps over, with the mesh turned
-  // by `orientation`. Zero where a triangle is too flat to have directions along u and v.
+  // Metres of the texture, along u and v, that a metre of motion in the world sweeps over, with the mesh
+  // turned by `orientation`. Zero where a triangle is too flat to have directions along u and v.
   Eigen::Matrix<double, 2, 3> sweep(const BasePoint& under, const Quat& orientation) const;
 
   ReliefTriangle triangle(int k) const;
@@ -114,19 +114,19 @@ class ReliefMesh {
 
   // Calls visit(k) for the triangles whose relief may reach into a box.
   template <class Visit>
-  void for_each_triangle(const Box& box, const Visit& visit) const {
-    data_->tree.search([&](const Box& own) { return own.intersects(box) ? 0.0 : 2.0; }, [] { return 1.0; },
+  void for_each_triangle(const Bounds& box, const Visit& visit) const {
+    data_->tree.search([&](const Bounds& own) { return own.intersects(box) ? 0.0 : 2.0; }, [] { return 1.0; },
                        visit);
   }
 
   // Visits the pieces of the relief that may be below a limit, roughly nearest first. A visitor provides
   //   double limit()                            pieces not below this are skipped; it may shrink meanwhile
-  //   double lower_bound(const Box&)            for anything in the box
+  //   double lower_bound(const Bounds&)            for anything in the box
   //   double lower_bound(const LinearPiece&)    for a piece
   //   void visit(const ReliefPiece&)
   template <class Visitor>
   void visit_pieces(Visitor& visitor) const {
-    data_->tree.search([&](const Box& box) { return visitor.lower_bound(box); },
+    data_->tree.search([&](const Bounds& box) { return visitor.lower_bound(box); },
                        [&] { return visitor.limit(); }, [&](int k) { visit_triangle(triangle(k), visitor); });
   }
 

@@ -60,7 +60,7 @@ struct PointDistance {
   }
   static double distance(double value) { return std::sqrt(2 * value); }
   static double value(double distance) { return 0.5 * distance * distance; }
-  double lower_bound(const Box& box) const { return std::sqrt(box.squaredExteriorDistance(centre)); }
+  double lower_bound(const Bounds& box) const { return std::sqrt(box.squaredExteriorDistance(centre)); }
   double lower_bound(const LinearPiece& piece) const {
     const Vec3 offset = piece.middle - centre;
     const double d = offset.norm();
@@ -81,9 +81,9 @@ struct SegmentDistance {
   }
   static double distance(double value) { return std::sqrt(2 * value); }
   static double value(double distance) { return 0.5 * distance * distance; }
-  double lower_bound(const Box& box) const {
+  double lower_bound(const Bounds& box) const {
     const Vec3 to = from + length * along;
-    const Box own(from.cwiseMin(to), from.cwiseMax(to));
+    const Bounds own(from.cwiseMin(to), from.cwiseMax(to));
     return std::sqrt(box.squaredExteriorDistance(own));
   }
   double lower_bound(const LinearPiece& piece) const {
@@ -101,7 +101,7 @@ struct PlaneDistance {
   Derivatives at(const Vec3& x) const { return {normal.dot(x) - offset, normal, Vec3::Zero(), 0}; }
   static double distance(double value) { return value; }
   static double value(double distance) { return distance; }
-  double lower_bound(const Box& box) const {
+  double lower_bound(const Bounds& box) const {
     return normal.dot(box.center()) - 0.5 * normal.cwiseAbs().dot(box.sizes()) - offset;
   }
   double lower_bound(const LinearPiece& piece) const {

@@ -1,12 +1,12 @@
 #include "surface/import.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
 #include <vector>
-#include <fmt/format.h>
 
 #include "core/file.h"
 #include "core/text.h"
@@ -219,8 +219,9 @@ class Importer {
         report.rows_flipped = found.rows_flipped;
         report.implied_depth = found.implied_depth;
       } else {
-        warn(fmt::format("normals and height barely agree (correlation {:.2f}): do they describe the same surface?",
-                         found.correlation));
+        warn(fmt::format(
+            "normals and height barely agree (correlation {:.2f}): do they describe the same surface?",
+            found.correlation));
       }
     }
     report.green = green = options_.green.value_or(green);

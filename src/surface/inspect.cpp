@@ -1,10 +1,10 @@
 #include "surface/inspect.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
-#include <fmt/format.h>
 
 #include "surface/image/image_file.h"
 

@@ -1,9 +1,9 @@
 // The sound of modes of equal frequency does not depend on which rotation of them a solver returns.
 #include <doctest/doctest.h>
 
+#include <fmt/format.h>
 #include <Eigen/QR>
 #include <cmath>
-#include <fmt/format.h>
 #include <numeric>
 
 #include "sound/bake/bake.h"

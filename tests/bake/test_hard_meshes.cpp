@@ -2,9 +2,9 @@
 // with the known mass, or one line that says why not. Never an empty model, never silence.
 #include <doctest/doctest.h>
 
+#include <fmt/format.h>
 #include <cmath>
 #include <cstdlib>
-#include <fmt/format.h>
 #include <optional>
 
 #include "core/portable_math.h"

@@ -2,9 +2,9 @@
 // made for the purpose.
 #include <doctest/doctest.h>
 
+#include <fmt/format.h>
 #include <cmath>
 #include <map>
-#include <fmt/format.h>
 
 #include "sound/bake/bake.h"
 #include "sound/bake/fem/mesher.h"

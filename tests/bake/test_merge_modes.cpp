@@ -2,10 +2,10 @@
 // stay.
 #include <doctest/doctest.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <unsupported/Eigen/FFT>
-#include <fmt/format.h>
 
 #include "core/portable_math.h"
 #include "sound/bake/merge_modes.h"

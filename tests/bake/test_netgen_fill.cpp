@@ -2,10 +2,10 @@
 // Netgen is installed, known frequencies. Programs that misbehave are shell scripts.
 #include <doctest/doctest.h>
 
+#include <fmt/format.h>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fmt/format.h>
 
 #include "core/file.h"
 #include "sound/bake/fem/mesher.h"
@@ -73,7 +73,8 @@ TEST_CASE(
       {"head -c 5000 /dev/urandom > $2", "unreadable mesh"},
       {": > $2", "unreadable mesh"},
       {"printf 'intaglio-tetrahedra 1\\n99999999999 1\\n' > $2", "unreadable mesh"},
-      {"printf 'intaglio-tetrahedra 1\\n4 1\\n0 0 0 1 0 0 0 1 0 0 0 nan\\n0 1 2 3\\n' > $2", "unreadable mesh"},
+      {"printf 'intaglio-tetrahedra 1\\n4 1\\n0 0 0 1 0 0 0 1 0 0 0 nan\\n0 1 2 3\\n' > $2",
+       "unreadable mesh"},
       {"printf 'intaglio-tetrahedra 1\\n4 1\\n0 0 0 1 0 0 0 1 0 0 0 1\\n0 1 2 7\\n' > $2", "unreadable mesh"},
       {"printf 'intaglio-tetrahedra 1\\n4 1\\n0 0 0 1 0 0 0 1 0 0 0 1\\n0 1 2 3\\n' > $2", "do not fill"},
       {"printf 'intaglio-tetrahedra 1\\n4 1\\n0 0 0 1 0 0 0 1 0 1 1 0\\n0 1 2 3\\n' > $2", "do not fill"},
@@ -134,7 +135,8 @@ TEST_CASE("Netgen's elements have known frequencies, and its limits hold") {
   const auto bar = netgen_fill(body_surface(askew, "bar").value(), {0.012, 20'000}, {}, "bar");
   if (!bar) MESSAGE(bar.error().message());
   REQUIRE(bar);
-  const Eigen::VectorXd exact = mode_frequencies(box({0.3, 0.05, 0.04}, 20, 4, 4), 6), ours = mode_frequencies(bar->mesh, 6);
+  const Eigen::VectorXd exact = mode_frequencies(box({0.3, 0.05, 0.04}, 20, 4, 4), 6),
+                        ours = mode_frequencies(bar->mesh, 6);
   const double worst = (ours.array() / exact.array() - 1).abs().maxCoeff();
   MESSAGE(fmt::format("bar, {} elements: worst {:.3f} %", bar->mesh.tets.size(), 100 * worst));
   CHECK(worst < 0.003);

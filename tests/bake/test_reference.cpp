@@ -6,8 +6,8 @@
 //   build/release/tests/test_bake -tc='*known frequencies*' -s
 #include <doctest/doctest.h>
 
-#include <cmath>
 #include <fmt/format.h>
+#include <cmath>
 
 #include "sound/bake/fem/modes.h"
 #include "sound/bake/fem/tet_mesh.h"

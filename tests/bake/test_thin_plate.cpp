@@ -5,9 +5,9 @@
 // Source of the energy: Leissa, "Vibration of Plates", NASA SP-160, 1969.
 #include <doctest/doctest.h>
 
+#include <fmt/format.h>
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <fmt/format.h>
 
 #include "sound/bake/fem/modes.h"
 #include "sound/bake/fem/tet_mesh.h"

@@ -1,8 +1,8 @@
 #include <turbojpeg.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <memory>
-#include <fmt/format.h>
 
 #include "surface/image/image_file.h"
 

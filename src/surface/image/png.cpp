@@ -1,10 +1,10 @@
 #include <spng.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cstring>
 #include <memory>
-#include <fmt/format.h>
 
 #include "surface/image/image_file.h"
 

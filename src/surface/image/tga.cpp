@@ -1,10 +1,10 @@
 // TGA: an 18-byte header, an optional id and colour map, then pixels as B G R (A), raw or in run-length
 // packets. Source: Truevision TGA File Format Specification, version 2.0, 1991. The footer of version 2
 // contains nothing we need.
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <optional>
-#include <fmt/format.h>
 
 #include "surface/image/image_file.h"
 

@@ -1,11 +1,11 @@
 #include "surface/recipes/builtin.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <filesystem>
 #include <vector>
-#include <fmt/format.h>
 
 #include "core/file.h"
 #include "core/text.h"
