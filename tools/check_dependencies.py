@@ -22,11 +22,12 @@ ALLOWED = {
     "src/sound/audio": "core sound",
     "src/sound/bake": "core mesh sound",
     "src/render": "core surface mesh",
-    "src/scene": "core surface mesh contact dynamics haptics sound sound/bake render",
-    "src/session": "core surface mesh contact dynamics haptics sound sound/bake sound/audio render scene",
-    "src/report": "core surface mesh contact dynamics haptics sound sound/bake sound/audio render scene session",
-    "apps/window": "core surface mesh contact dynamics haptics haptics/vrpn sound sound/bake sound/audio render scene session report",
-    "apps/command": "core surface mesh contact dynamics haptics haptics/vrpn sound sound/bake sound/audio render scene session report window",
+    "src/scene": "core surface mesh contact dynamics haptics sound render",
+    "src/scene/voices": "core surface contact dynamics sound sound/bake scene",
+    "src/session": "core surface mesh contact dynamics haptics sound sound/bake sound/audio render scene scene/voices",
+    "src/report": "core surface mesh contact dynamics haptics sound sound/bake sound/audio render scene scene/voices session",
+    "apps/window": "core surface mesh contact dynamics haptics haptics/vrpn sound sound/bake sound/audio render scene scene/voices session report",
+    "apps/command": "core surface mesh contact dynamics haptics haptics/vrpn sound sound/bake sound/audio render scene scene/voices session report window",
     "apps/netgen": "",
 }
 # The library that defines what a public header, include/intaglio/<name>.h, declares. Public headers include only public ones of

@@ -20,7 +20,7 @@
 #include "core/toml.h"
 #include "mesh/mesh_file.h"
 #include "scene/surfaces.h"
-#include "scene/voices.h"
+#include "scene/voices/voices.h"
 #include "sound/bake/bake.h"
 #include "sound/bake/fem/fill_surface.h"
 #include "sound/bake/fem/mesher.h"

@@ -30,7 +30,7 @@ constexpr double out_of_reach = std::numeric_limits<double>::infinity();
 //
 // A Ground provides
 //   Candidates& found;   double texel_size();
-//   double lower_bound(const surface::Box&), lower_bound(const LinearPiece&)   of the distance
+//   double lower_bound(const surface::Bounds&), lower_bound(const LinearPiece&)   of the distance
 //   bool is_near(const LinearPiece&)                a closer test, for a piece of a texel's size
 //   closest(const Vec3& body_point)                 an optional feature: point, direction, distance
 //   Vec3 to_body(const Vec3&), to_ground(const Vec3&)                          directions
@@ -42,7 +42,7 @@ class MinimumSearch {
   explicit MinimumSearch(Ground& ground) : ground_(ground), tolerance_(1e-12 * ground.texel_size()) {}
 
   double limit() const { return ground_.found.search_limit(); }
-  double lower_bound(const surface::Box& box) const { return ground_.lower_bound(box); }
+  double lower_bound(const surface::Bounds& box) const { return ground_.lower_bound(box); }
   double lower_bound(const LinearPiece& piece) const { return ground_.lower_bound(piece); }
   void visit(const ReliefPiece& piece) { subdivide(piece, piece.linear(), 16); }
 
@@ -103,7 +103,7 @@ struct RectangleGround {
 
   double texel_size() const { return std::min(surface.texel_u(), surface.texel_v()); }
 
-  double lower_bound(const surface::Box& box) const {
+  double lower_bound(const surface::Bounds& box) const {
     const Vec3 middle = frame(box.center());
     const Vec3 half = frame.axes.cwiseAbs() * (0.5 * box.sizes());
     return bound({middle.head<2>() - half.head<2>(), middle.head<2>() + half.head<2>(), middle.z() - half.z(),
@@ -239,7 +239,9 @@ struct MeshGround {
 
   double texel_size() const { return relief.texel_size(); }
 
-  double lower_bound(const surface::Box& box) const { return bound(box.center(), 0.5 * box.sizes().norm()); }
+  double lower_bound(const surface::Bounds& box) const {
+    return bound(box.center(), 0.5 * box.sizes().norm());
+  }
   double lower_bound(const LinearPiece& piece) const {
     return bound(piece.middle, piece.radius() + piece.error);
   }
@@ -288,7 +290,7 @@ ContactSet curved_on_relief(const ReliefMesh& body, const Pose& pose, const surf
     return set;
   }
   if (!(thickness >= 0)) thickness = 0;
-  const surface::Box bounds = body.bounds();
+  const surface::Bounds bounds = body.bounds();
   const Vec3 middle = frame(bounds.center());
   const Vec2 plan = middle.head<2>();
   const double reach = 0.5 * bounds.sizes().norm() + margin;

@@ -108,7 +108,7 @@ class InsideSearch {
   InsideSearch(const CurvedQuery& query, const Body& body) : query_(query), body_(body) {}
 
   double limit() const { return query_.found.search_limit(); }
-  double lower_bound(const surface::Box& box) const {
+  double lower_bound(const surface::Bounds& box) const {
     const NearestFace face = body_.nearest_face(box.center());
     return face.height - 0.5 * face.normal.cwiseAbs().dot(box.sizes());
   }
@@ -248,7 +248,7 @@ ContactSet curved_contacts(const ReliefMesh& relief, const Shape& shape, const P
     set.status = status::no_size;
     return set;
   }
-  const surface::Box bounds = relief.bounds();
+  const surface::Bounds bounds = relief.bounds();
   const double side = bounds.sizes().maxCoeff();
   set.status |= limit_margin(margin, side);
   if (is_far(pose.position - bounds.center(), side)) {

@@ -287,7 +287,7 @@ contact::MassProperties mass_properties(const ShapeBody& body) {
 double reach(const ShapeBody& body) {
   const double plain = contact::bounding_radius(body.shape);
   if (!body.skin) return plain;
-  const surface::Box bounds = body.skin->bounds();
+  const surface::Bounds bounds = body.skin->bounds();
   return std::max(plain, bounds.min().cwiseAbs().cwiseMax(bounds.max().cwiseAbs()).norm());
 }
 

@@ -183,7 +183,7 @@ std::array<Vec3, 3> corners_of(const surface::ReliefMesh& relief, int triangle) 
 
 CurvedShape::CurvedShape(surface::ReliefMesh relief, double thickness)
     : TexturedShapeBase(thickness), relief_(std::move(relief)) {
-  const surface::Box bounds = relief_.bounds();
+  const surface::Bounds bounds = relief_.bounds();
   look_ahead_ = 0.25 * bounds.sizes().maxCoeff();
   low_ = to_bullet(Vec3(bounds.min()));
   high_ = to_bullet(Vec3(bounds.max()));
@@ -230,7 +230,7 @@ void CurvedShape::calculateLocalInertia(btScalar mass, btVector3& inertia) const
 
 void CurvedShape::processAllTriangles(btTriangleCallback* callback, const btVector3& low,
                                       const btVector3& high) const {
-  const surface::Box wanted(from_bullet(low), from_bullet(high));
+  const surface::Bounds wanted(from_bullet(low), from_bullet(high));
   relief_.for_each_triangle(wanted, [&](int k) {
     const auto [a, b, c] = corners_of(relief_, k);
     btVector3 corners[3] = {to_bullet(a), to_bullet(b), to_bullet(c)};

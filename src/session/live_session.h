@@ -29,7 +29,7 @@
 #include "haptics/device.h"
 #include "haptics/servo_loop.h"
 #include "intaglio/event.h"
-#include "scene/voices.h"
+#include "scene/voices/voices.h"
 #include "session/scene_loop.h"
 #include "sound/audio_device.h"
 #include "sound/live_sound.h"

@@ -12,7 +12,7 @@
 #include "intaglio/event.h"
 #include "intaglio/image.h"
 #include "intaglio/representation.h"
-#include "scene/voices.h"
+#include "scene/voices/voices.h"
 #include "surface/surface.h"
 
 namespace intaglio::session {

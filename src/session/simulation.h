@@ -13,7 +13,7 @@
 #include "core/hash.h"
 #include "intaglio/error.h"
 #include "intaglio/event.h"
-#include "scene/voices.h"
+#include "scene/voices/voices.h"
 #include "scene/world.h"
 #include "session/recording.h"
 #include "session/scene_loop.h"

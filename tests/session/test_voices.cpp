@@ -11,7 +11,7 @@
 
 #include "core/file.h"
 #include "scene/surfaces.h"
-#include "scene/voices.h"
+#include "scene/voices/voices.h"
 #include "sound/model_file.h"
 #include "tests/source_folder.h"
 #include "tests/temporary_folder.h"

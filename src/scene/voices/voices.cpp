@@ -1,4 +1,4 @@
-#include "scene/voices.h"
+#include "scene/voices/voices.h"
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -120,7 +120,7 @@ sound::TetMesh box_mesh(const Vec3& size, int cells) {
 // A curved ground rings like the flat slab over its bounds.
 void add_curved(ModelBaker& baker, BodyId id, const std::string& name, const SurfaceSettings& ground,
                 const SceneSurface& made) {
-  const surface::Box bounds = made.curved->bounds();
+  const surface::Bounds bounds = made.curved->bounds();
   const Vec3 size(bounds.sizes().x(), ground.thickness, bounds.sizes().z());
   sound::SoundBody body;
   body.id = id;
