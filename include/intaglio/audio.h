@@ -4,8 +4,8 @@
 //   auto live = intaglio::LiveSound::create({.sample_rate = double(card.sample_rate())}, bodies).value();
 //   if (auto started = card.start(live); !started) ...          // examples/live_sound.cpp
 //
-// A card pulls: it calls render() from a real-time thread of the system's until stop(). The other functions:
-// one thread.
+// The card calls render() from one of the system's real-time threads until stop(). Call the other functions
+// from one thread.
 #pragma once
 
 #include <cstdint>
@@ -22,8 +22,8 @@
 namespace intaglio {
 
 struct AudioOptions {
-  // "default": the system's card, or none that is heard where there is none. "null": nobody hears it, in real
-  // time. Else a part of a name that audio_outputs() lists.
+  // "default": the system's card, or a silent output if there is none. "null": a silent output that runs in
+  // real time. Otherwise a part of a name that audio_outputs() lists.
   std::string device = "default";
   int sample_rate = 44'100;  // Hz
   int buffer_frames = 256;   // wanted; the card may choose another size
@@ -33,7 +33,7 @@ struct AudioStatus {
   std::uint64_t buffers = 0;    // rendered
   std::uint64_t underruns = 0;  // buffers that came too late, as far as the card can tell
   double latency = 0;           // s, from render() to the speaker
-  double busiest = 0;           // the longest render(), of a buffer's time
+  double busiest = 0;           // the longest render(), as a fraction of a buffer's duration
   std::string error;            // why it stopped by itself; usually empty
 };
 
@@ -50,8 +50,8 @@ class AudioOutput {
   int sample_rate() const;   // Hz, as it really is
   int buffer_frames() const;
 
-  // `sound` outlives the playing. Or your own callback, which fills interleaved left and right, -1..1,
-  // without allocation, lock or exception. Errors: it plays already; the system refuses.
+  // `sound` must outlive the playback. Your own callback fills interleaved left and right, -1..1, without
+  // allocation, lock or exception. Errors: it is already playing; the system refuses.
   Result<void> start(LiveSound& sound);
   Result<void> start(std::function<void(std::span<float> stereo)> render);
   void stop();  // nothing renders when it returns
@@ -68,7 +68,7 @@ std::vector<std::string> audio_outputs();
 
 enum class WavFormat { pcm_16, pcm_24, float_32 };
 
-// Writes samples in -1..1, interleaved, whole or not at all. PCM clips what lies outside. Equal sounds are
+// Writes interleaved samples in -1..1, whole or not at all. PCM clips what lies outside. Equal samples give
 // equal files.
 Result<void> write_wav(const std::filesystem::path& path, std::span<const float> samples, int sample_rate,
                        int channels = 1, WavFormat format = WavFormat::pcm_24);

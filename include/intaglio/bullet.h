@@ -1,4 +1,4 @@
-// Textured shapes in your own Bullet world (3.24, single precision): one line more than a plane.
+// Textured shapes in your own Bullet world (3.24, single precision): one line more than for a plane.
 //
 //   intaglio::bullet::enable(dispatcher);              // once, before the first step
 //   intaglio::bullet::SurfaceShape floor(intaglio::Surface::load("brick", {.size = {4, 4}}).value());
@@ -10,13 +10,13 @@
 // moving body with a curved surface the mesh's origin is the centre of mass, and its axes should be
 // principal.
 //
-// Contacts are found anew in each step, ahead of the body and along its motion, so that a fast one does not
-// sink, and keep their impulses by feature for the solver's warm start. Friction, restitution and rolling
+// Contacts are found anew in each step, ahead of the body along its motion, so that a fast body does not sink
+// in; their impulses are kept by feature, for the solver's warm start. Friction, restitution and rolling
 // friction combine as Bullet's own do. Ray casts and contactTest work. Spheres, boxes, capsules, cylinders,
-// hulls, other convex shapes and compounds of them meet a surface, and surfaces meet each other where either
-// moves; what each meets, and how well: docs/dynamics.md. btSdfCollisionShape has the same type number: the
-// two cannot be in one world. One thread at a time, as Bullet itself. Keep the scene within some hundred
-// metres.
+// hulls, other convex shapes and compounds of them can touch a surface, and two surfaces can touch each other
+// if one of them moves; docs/dynamics.md says how accurate each pair is. btSdfCollisionShape has the same
+// type number: the two cannot be in one world. One thread at a time, as Bullet itself. Keep the scene within
+// some hundred metres.
 //
 // The only header of the library that includes Bullet; link intaglio::dynamics and Bullet.
 #pragma once
@@ -43,7 +43,7 @@ namespace intaglio::bullet {
 void enable(btCollisionDispatcher& dispatcher);
 
 // Whether a Bullet shape can touch a SurfaceShape; the error names the shape and the reason: neither convex
-// nor a compound of convex ones, or a hull without volume. One that cannot passes through it.
+// nor a compound of convex ones, or a hull without volume. A shape that cannot touch it passes through.
 Result<void> check(const btCollisionShape& shape);
 
 struct ShapeOptions {
@@ -62,17 +62,17 @@ class SurfaceShape : public btConcaveShape {
   SurfaceShape(const SurfaceShape&) = delete;
   SurfaceShape& operator=(const SurfaceShape&) = delete;
 
-  // A rectangle counts as a slab as thick as its relief is deep; a closed mesh as what it encloses, its
-  // diagonal only.
+  // The inertia of a rectangle is that of a slab as thick as its relief is deep; that of a closed mesh is its
+  // volume's, without the products of inertia.
   void calculateLocalInertia(btScalar mass, btVector3& inertia) const override;
   void getAabb(const btTransform& transform, btVector3& low, btVector3& high) const override;
   void processAllTriangles(btTriangleCallback* callback, const btVector3& low,
                            const btVector3& high) const override;
-  void setLocalScaling(const btVector3& scaling) override;  // has no effect: a surface has metres
+  void setLocalScaling(const btVector3& scaling) override;  // has no effect: a surface is in metres
   const btVector3& getLocalScaling() const override;
   const char* getName() const override { return "SurfaceShape"; }
 
-  // contact_status::no_size once a body has met this shape that cannot touch it: check() gives the reason.
+  // contact_status::no_size once a body that cannot touch this shape has met it: check() gives the reason.
   unsigned status() const;
 
   const dynamics::TexturedShapeBase& impl() const { return *impl_; }

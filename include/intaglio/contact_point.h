@@ -15,7 +15,7 @@ struct ContactPoint {
   Vec3 n_s = Vec3::UnitY();     // unit, normal of the map there
   double distance = 0;          // gap; negative = penetration
   Vec2 uv = Vec2::Zero();       // on the texture, 0..1
-  std::uint64_t feature = 0;    // names what touches what; the same from step to step while it is the same
+  std::uint64_t feature = 0;    // identifies the two features that touch; constant while they do
   int triangle = -1;            // of a curved base, below the point; -1 on a rectangle or beside the relief
   Vec3 weights = Vec3::Zero();  // of the triangle's corners
 };
@@ -30,7 +30,7 @@ inline constexpr unsigned far = 8;           // 1e5 sides away, where digits are
 inline constexpr unsigned under = 16;        // wholly under the surface: pushed up along n_g
 inline constexpr unsigned wide_margin = 32;  // the margin was limited (too fast for this step): sub-step
 inline constexpr unsigned limit = 64;        // more candidates than are kept: the deepest were kept
-inline constexpr unsigned deep = 128;        // overlapping without a least gap: one of the next best ways out
+inline constexpr unsigned deep = 128;        // overlapping, but no local minimum: a substitute was used
 }  // namespace contact_status
 
 // Up to six contact points, chosen to support the body; the first is the deepest.

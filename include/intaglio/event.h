@@ -26,9 +26,9 @@ struct TexturePlace {
 
 enum class ContactPhase : std::uint8_t { begin, persist, end };
 
-// One step of one contact between `body` and the textured surface of `other`, which may be a body that moves
-// itself; or another body, which has no texture: then uv says nothing and both normals are the contact's. SI
-// units, world frame.
+// One step of one contact between `body` and the textured surface of `other`, which may itself be a moving
+// body. `other` may also be a body without a texture: then uv means nothing and both normals are the
+// contact's. SI units, world frame.
 struct ContactEvent {
   double time = 0;            // s, the instant of the impulse, not of the frame that noticed it
   BodyId body = 0;            // the moving body (ball, pen)
@@ -36,19 +36,20 @@ struct ContactEvent {
   ContactPhase phase = ContactPhase::begin;
   Vec3 point = Vec3::Zero();  // m
   Vec2 uv = Vec2::Zero();     // where on the texture, 0..1
-  int texture = 0;            // which, of an `other` that has several; less than 0: none there
-  // m/s, v_t along u and v; unset: of a rectangle that does not move, whose frame tells.
+  int texture = 0;            // which of the textures of `other`; less than 0: none there
+  // m/s, v_t along u and v; unset for a rectangle that does not move: its own frame and v_t give it.
   std::optional<Vec2> sweep;
   std::optional<TexturePlace> own;  // where on a texture of `body` itself, if it has one there
   Vec3 n_g = Vec3::UnitY();         // normal of the coarse geometry
   Vec3 n_s = Vec3::UnitY();         // normal sampled from the texture, or of the relief feature touched
-  // m/s, velocity of the contact along the coarse surface: of a ball that rolls that of its centre, of what
-  // slides that of the body. And what the body's own surface there moves at beyond that: -v_t when it rolls.
+  // m/s, velocity of the contact along the coarse surface: of the centre of a ball that rolls, of the body
+  // itself when it slides.
   Vec3 v_t = Vec3::Zero();
+  // m/s, what rotation adds to v_t at the body's own surface there: -v_t when it rolls.
   Vec3 spin = Vec3::Zero();
   Vec3 impulse = Vec3::Zero();  // N s, on the body, over the step that ends at `time`
   double duration = 0;          // s, the length of that step
-  // s before `time`, 0..duration: when the surfaces met, of what did not touch before; else not-a-number.
+  // How long before `time` the surfaces met, s, 0..duration; not-a-number if they touched already.
   double touch_age = std::numeric_limits<double>::quiet_NaN();
   Pose body_pose;                  // of `body` at `time`
   std::optional<Pose> other_pose;  // of `other`, when that moves

@@ -9,10 +9,10 @@
 //     world.push(ball, touch.take_ball_impulse(0));
 //   }
 //
-// The surface is sampled in every tick and the force comes from a stored energy, so that nothing the texture
-// does can give energy to the hand. Every force goes through a guard: bounded force and slew rate, a ramp-in
-// of half a second, the motors' long-run limit, and zero force within 21 ms when the scene, the device or the
-// loop falls silent, the hand is too fast, or a number is not one. A fault stays until rearm().
+// The surface is sampled in every tick and the force comes from a stored energy, so that no texture can give
+// energy to the hand. Every force goes through a guard: bounded force and slew rate, a ramp-in of half a
+// second, the motors' long-run limit, and zero force within 21 ms when the scene, the device or the loop
+// falls silent, the hand is too fast, or a value is not a number. A fault stays until rearm().
 //
 // World frame, SI. The loop and your thread exchange latest values; neither waits for the other. publish() is
 // also the heartbeat: call it at least every 20 ms, or the guard lets go. docs/haptics.md has the bounds on
@@ -101,7 +101,7 @@ inline constexpr std::uint32_t jumped = 1u << 10;
 
 enum class HapticMethod {
   potential,  // ours
-  plane,      // the paper's: a plane once a picture, Eq. 1.3
+  plane,      // the paper's: one plane per picture, Eq. 1.3
 };
 
 // The pen in the hand.
@@ -110,7 +110,7 @@ struct PenShape {
   double radius = 0.005;                 // m, of the shaft
   double tip_radius = 0.001;             // m: the tip feels the relief averaged over its diameter
   double grip = 0.06;                    // m from the tip: torque is about there
-  double shaft_stiffness = 0;            // N/m a metre of shaft, against the texture; 0: only the tip touches
+  double shaft_stiffness = 0;            // N/m per metre of shaft that touches; 0: only the tip does
   Vec3 direction = Vec3(0.25, 1, 0.35);  // from the tip up the shaft, where the device knows no orientation
 };
 
@@ -123,7 +123,7 @@ struct TouchOptions {
   HapticMethod method = HapticMethod::potential;
   double rate = 1000;                    // Hz: 1000, 4000 or 8000
   Vec3 workspace_origin = Vec3::Zero();  // m, where the device's origin is in the world
-  double workspace_scale = 1;            // world metres a device metre
+  double workspace_scale = 1;            // world metres per device metre
   PenShape pen = {};
   GuardLimits limits = {};
   double thickness = std::numeric_limits<double>::infinity();  // m, of the slab below the texture
@@ -137,10 +137,10 @@ struct TouchBall {
   double radius = 0;             // m
 };
 
-// The scene as your loop hands it over in each of its steps.
+// The state that your loop publishes in each of its steps.
 struct TouchScene {
   std::vector<TouchBall> balls = {};  // at most max_balls are felt
-  // Moves the surface from where its own pose says, as of a textured body: where, how fast.
+  // Where a textured body has carried the surface, relative to the surface's own pose, and how fast it moves.
   Pose surface_pose = {};
   Vec3 surface_velocity = Vec3::Zero();          // m/s
   Vec3 surface_angular_velocity = Vec3::Zero();  // rad/s
@@ -164,8 +164,8 @@ struct TouchTiming {
   std::string priority;                       // how the thread was scheduled, one line
 };
 
-// The servo loop. Its functions: one thread, yours. Its own thread neither allocates nor locks, and runs
-// SCHED_FIFO where it may.
+// The servo loop. Call its functions from one thread. The loop's own thread neither allocates nor locks, and
+// runs SCHED_FIFO where it may.
 class ServoLoop {
  public:
   // Errors: options out of range. The device's force stays zero until start().
@@ -180,9 +180,9 @@ class ServoLoop {
 
   void publish(const TouchScene& scene = {});
   TouchReport report();
-  // N s that ball k was given since the last call; and the textured body, with N m s about its pose's
-  // position.
+  // The impulse on ball k since the last call, N s.
   Vec3 take_ball_impulse(std::size_t k);
+  // The same on the textured body; `angular` receives the angular impulse about its pose's position, N m s.
   Vec3 take_surface_impulse(Vec3* angular = nullptr);
   TouchTiming timing() const;
 

@@ -21,11 +21,11 @@
 namespace intaglio {
 
 // The mesh of a Wavefront OBJ (.obj), glTF 2.0 (.gltf, .glb) or STL (.stl, shape only) file; files are not
-// trusted. Units are taken as metres. Limits: 256 MB, 4 million triangles. About 2 s a million triangles.
+// trusted. Units are taken as metres. Limits: 256 MB, 4 million triangles. About 2 s per million triangles.
 enum class MeshUse { texture, shape };  // to lay a texture on, or for its shape alone: missing UVs are zero
 Result<TriangleMesh> load_mesh(const std::filesystem::path& path, MeshUse use = MeshUse::texture);
 
-// Meshes of known shape, axis along +Y, middle at the origin, in so many facets. UVs run once over each.
+// Meshes of known shape, with the axis along +Y and the middle at the origin. UVs run once over each.
 TriangleMesh quad_mesh(const Vec2& size);                               // lying flat, u along +X, v along -Z
 TriangleMesh sphere_mesh(double radius, int around = 96, int up = 48);  // u eastwards, v from pole to pole
 TriangleMesh bowl_mesh(double radius, int around = 96, int up = 48);    // the inside of the lower hemisphere

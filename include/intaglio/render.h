@@ -28,7 +28,7 @@ namespace intaglio {
 struct Camera {
   Vec3 eye = Vec3(0, 0.6, 0.9);
   Vec3 target = Vec3::Zero();
-  Vec3 up = Vec3::UnitY();       // in the picture; -Z where it is along the view
+  Vec3 up = Vec3::UnitY();       // in the picture; -Z if it is parallel to the view
   double fov_y_degrees = 45;     // whole vertical angle
   double near = 0.01, far = 50;  // m
 };
@@ -102,8 +102,8 @@ class Renderer {
   Renderer& operator=(Renderer&&) noexcept;
   ~Renderer();
 
-  // Uploads surfaces when they are not those of the last view; give handles, not copies of textures made
-  // anew. Errors: nothing to draw, a texture larger than the driver allows.
+  // Uploads surfaces that are not those of the last view, so pass the same handles each time instead of
+  // loading a texture again. Errors: nothing to draw, a texture larger than the driver allows.
   Result<Picture> draw(const View& view);
   // Linear depth of the last picture, row 0 at the top: metres along the camera's axis, infinite for the
   // background.

@@ -2,7 +2,7 @@
 //
 //   intaglio::save_report(*recording, "brick.html");                  // examples/simulate_scene.cpp
 //
-// Self-contained HTML. About a second for ten of audio; any thread.
+// Self-contained HTML. Takes about a second for ten seconds of audio; any thread.
 #pragma once
 
 #include <filesystem>

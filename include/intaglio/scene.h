@@ -32,7 +32,7 @@ class Scene {
   Representation representation() const;
   std::size_t body_count() const;  // balls, then other bodies; their BodyIds are 1, 2, ...
   bool has_pen() const;
-  // The same scene otherwise.
+  // Copies of the scene with one setting changed.
   Scene with_duration(double seconds) const;
   Scene with_representation(Representation representation) const;
   Scene with_texture(const std::string& texture) const;  // on the floor; as Surface::load takes it

@@ -98,8 +98,8 @@ struct LiveSessionState {
   bool has_sound = false;  // models are there and playing
 };
 
-// Physics, touch and sound of a scene, each on a thread of its own, in real time. All functions: one thread,
-// yours.
+// Physics, touch and sound of a scene, each on a thread of its own, in real time. Call the functions from one
+// thread.
 class LiveSession {
  public:
   // Tenths of a second. Models are baked in the background where they are missing; meanwhile it is silent.

@@ -1,4 +1,4 @@
-// Sound: contact events in, samples out. No thread of ours, and nothing allocated while it plays.
+// Sound: contact events in, samples out. It starts no thread, and allocates nothing while it plays.
 //
 //   auto ball = intaglio::ModalModel::load("ball.modes").value();
 //   intaglio::Synthesizer synth({.sample_rate = 48000}, {
@@ -11,10 +11,11 @@
 // the sound card's, without either waiting (audio.h opens a card). The run time needs no baker: models come
 // from files that bake.h or `intaglio bake` writes.
 //
-// The sound of a contact (Sterling & Lin 2016, §1.2.5.1): at its first touch both bodies are struck by
-// the step's impulse as one Hertz half-sine; while it lasts, by what is new of the engine's impulses or by
-// Eq. 1.4 along the texture (`meso`), and by fractal noise of both materials (`micro`). A free body that is
-// struck also clicks. The output depends on events and seed alone, not on how render() calls are cut.
+// The sound of a contact (Sterling & Lin 2016, §1.2.5.1): when two bodies first touch, both are struck by the
+// step's impulse as one Hertz half-sine. While the contact lasts, both are excited by the new part of the
+// engine's impulses or by Eq. 1.4 along the texture (`meso`), and by fractal noise of both materials
+// (`micro`). A free body that is struck also clicks. The output depends on events and seed alone, not on how
+// it is divided into render() calls.
 #pragma once
 
 #include <cstdint>
@@ -49,7 +50,7 @@ class ModalModel {
   double frequency(int mode) const;   // Hz, damped; ascending
   double decay_time(int mode) const;  // s, T60
   // How strongly an impulse along `direction` at a point of the surface, both in the body's frame, excites a
-  // mode: kg^-1/2 a unit of impulse.
+  // mode: kg^-1/2, modal velocity per unit of impulse.
   double gain(int mode, const Vec3& point, const Vec3& direction) const;
   // The same body with all lengths times `scale` (above 0), without baking it anew. Milliseconds.
   ModalModel scaled(double scale) const;

@@ -45,7 +45,7 @@ Quat rotation_onto(const Vec3& from, const Vec3& to);
 // The angle between two orientations, 0..pi.
 double angle_between(const Quat& a, const Quat& b);
 
-// The orientation a share t of the shorter way from a to b.
+// The orientation at the fraction t of the shorter rotation from a to b.
 Quat between(const Quat& a, const Quat& b, double t);
 
 }  // namespace intaglio

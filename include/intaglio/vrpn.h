@@ -1,4 +1,4 @@
-// A haptic device at the other end of a VRPN link: tracker, buttons and force device of one name.
+// A haptic device at the other end of a VRPN link: its tracker, buttons and force device share one name.
 //
 //   auto pen = intaglio::open_vrpn("Phantom0@localhost");      // then a ServoLoop, haptics.h
 //

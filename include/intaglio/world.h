@@ -1,4 +1,4 @@
-// Rigid bodies on textured surfaces: a world of ours, without an engine of yours.
+// Rigid bodies on textured surfaces: a complete world, for programs without a physics engine of their own.
 //
 //   auto world = intaglio::World::create({.floor = wall}).value();
 //   auto ball = world.add(intaglio::Sphere{0.05}, {.material = "steel", .position = {0, 1, 0}}).value();
@@ -33,7 +33,7 @@ namespace intaglio {
 struct WorldOptions {
   std::variant<Surface, CurvedSurface> floor;         // BodyId 0; a curved one has its relief below its base
   std::optional<MaterialChoice> floor_material = {};  // unset: the texture's own
-  // Of rectangles; curved bases are bare in the others.
+  // Of rectangles; a curved base has its relief in `relief` and is smooth otherwise.
   Representation representation = Representation::relief;
   ContactMethod method = ContactMethod::closest;
   NormalMethod normal_method = NormalMethod::implied;
@@ -52,7 +52,7 @@ enum class Motion {
 };
 
 // A solid body of uniform density. A textured one has reliefs in the shape's frame: `faces` are rectangles on
-// the sides of a Box, into which their relief goes; a `skin` (closed) is met in place of the shape.
+// the sides of a Box, into which their relief cuts; a closed `skin` replaces the shape in contacts.
 struct BodyOptions {
   MaterialChoice material = "plastic";
   Vec3 position = Vec3::Zero();  // m, of the shape's origin
@@ -85,15 +85,15 @@ class World {
   ~World();
 
   // Bodies are numbered from 1. Errors: a material that is not known, a shape without size, numbers that are
-  // not finite, faces on another shape than a Box, an open skin.
+  // not finite, faces on a shape other than a Box, an open skin.
   Result<BodyId> add(const Shape& shape, const BodyOptions& options = {});
   // One more surface that does not move, where its pose (or mesh) says; numbered from first_surface_body.
   Result<BodyId> add_ground(const Surface& surface, const GroundOptions& options = {});
   Result<BodyId> add_ground(const CurvedSurface& surface, const GroundOptions& options = {});
 
-  // One fixed step; events() are then its contacts, in order of body.
+  // One fixed step; events() then holds its contacts, in order of body.
   void step();
-  // So many whole steps that at least `seconds` pass; events() are then those of all of them.
+  // As many whole steps as `seconds` need; events() then holds those of all of them.
   void run(double seconds);
   std::span<const ContactEvent> events() const;
   double time() const;  // s, the end of the last step

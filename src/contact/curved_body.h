@@ -2,15 +2,15 @@
 // relief-mapped floor) and with another relief on a curved base (a relief-mapped ball in a relief-mapped
 // bowl, or on another ball). Either may move. Pure; any thread; no allocation.
 //
-// Distance: the least, over all points of the body's relief, of the signed distance to the ground's, negative
-// below it (surface/closest.h, mesh/relief_closest.h).
+// The distance of the two is the smallest signed distance of any point of the body's relief from the ground's
+// relief; it is negative below the ground (surface/closest.h, mesh/relief_closest.h).
 //
-// How it is found: the body's pieces that may be within the margin, by its tree and a bound of the ground's
-// distance from each, are cut to the size of the ground's texels. On each, two steps alternate: the ground's
-// point nearest to the piece's, and the piece's lowest point in the direction from there. The distance falls
-// at every turn, so that ends in a local minimum of the piece; a second, lower one within the same texel may
-// be missed: in the test's 2000 poses off by at most 0.01 texel, 0.0002 on average (docs/curved.md). On a
-// flat ground nothing is missed.
+// How it is found: the body's tree and lower bounds of the distance select the pieces that may be within the
+// margin, and these are cut to the size of the ground's texels. On each piece two steps alternate: find the
+// ground's point nearest to the current point of the piece, then the piece's lowest point along the direction
+// between them. The distance decreases in every round, so the iteration ends in a local minimum of the piece.
+// It can miss a second, lower minimum within the same texel: in the test's 2000 poses the error is at most
+// 0.01 texel, 0.0002 on average (docs/curved.md). On flat ground nothing is missed.
 #pragma once
 
 #include <limits>
@@ -28,8 +28,8 @@ namespace intaglio::contact {
 // A ground of finite thickness (relief on one side of a box) has a back side: parts of the body that are more
 // than `thickness` below its deepest point, or deeper in it, are behind it and ignored.
 //
-// Cost: the pieces within the margin, or in the ground, some 5 us each; keep the margin below a texel, and
-// give the thickness of a ground that has a back: otherwise everything behind counts as penetrating.
+// Cost: about 5 us for each piece within the margin or inside the ground. Keep the margin below a texel, and
+// give the thickness of a ground that has a back side: otherwise everything behind it counts as penetrating.
 ContactSet curved_on_relief(const surface::ReliefMesh& body, const Pose& pose, const surface::Surface& ground,
                             double margin, double thickness = std::numeric_limits<double>::infinity());
 
@@ -37,8 +37,8 @@ ContactSet curved_on_relief(const surface::ReliefMesh& body, const Pose& pose, c
 // ground's frame. Points, uv and n_s are of the ground. Parts of the body deeper in the ground than `depth`
 // are ignored; a body entirely inside is not detected.
 //
-// Cost: a closest point of the ground for every part of the body that is tested, some tens of milliseconds a
-// query: meant for few bodies, not for games. Keep the margin below a texel.
+// Cost: one closest-point query of the ground for every part of the body that is tested, some tens of
+// milliseconds in all: meant for few bodies, not for games. Keep the margin below a texel.
 ContactSet curved_on_curved(const surface::ReliefMesh& body, const Pose& pose,
                             const surface::ReliefMesh& ground, double margin, double depth);
 

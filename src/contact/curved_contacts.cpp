@@ -100,8 +100,8 @@ void corner(const CurvedQuery& query, const Vec3& at, std::span<const Vec3> edge
   if (is_in_corner_cone(nearest->direction, edges)) query.add(*nearest, 0, BodyFeature::vertex, index);
 }
 
-// The relief inside a convex body or near its faces: of each piece the deepest point among those whose
-// outward side faces the nearest body face.
+// Finds the points of the relief that are inside a convex body or near its faces. Each piece of the relief
+// gives at most one: its deepest point, among those where the relief faces the body face nearest to them.
 template <class Body>
 class InsideSearch {
  public:
@@ -133,7 +133,7 @@ class InsideSearch {
  private:
   struct Sample {
     NearestFace face;
-    bool faces_it;  // the relief's outward side the body's face
+    bool faces_it;  // whether the relief's outward side faces that body face
   };
   Sample evaluate(const surface::ReliefPiece& piece, const Vec2& at) {
     const NearestFace face = body_.nearest_face(piece.point(at));

@@ -11,8 +11,8 @@
 //   sphere    all closest features, to rounding (relief_closest.h);
 //   capsule   both ends as spheres, and the least gap of its axis;
 //   box, hull corners against the relief, to rounding; the relief against faces, the deepest point of each
-//             piece of the relief that is within the margin. Before they touch, the gap of an edge of the
-//             body is taken to its faces' planes: too small by up to a half of it;
+//             piece of the relief that is within the margin. Before they touch, the gap at an edge of the
+//             body is measured to the planes of its faces, which makes it too small by up to a half;
 //   cylinder  likewise, its rims at 16 corners each;
 //   mesh      its corners only.
 //

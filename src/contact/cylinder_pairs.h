@@ -131,8 +131,8 @@ class RimPatch {
 
   RimPatch(const Circle& circle, const Patch& patch) : circle_(circle), patch_(patch) {}
 
-  // Only pairs at most `reach` apart are wanted, and points of the rim whose direction from the centre is
-  // within an angle of `middle` whose cosine is `cos_half`; what is certainly not is skipped early.
+  // Finds a pair at most `reach` apart, at a point of the rim whose direction from the centre is within an
+  // angle of `middle` whose cosine is `cos_half`. A patch that certainly has none is skipped early.
   std::optional<Contact> find(double reach, const Vec3& middle, double cos_half) const {
     if (patch_.twist == 0 || is_out_of_reach(reach, middle, cos_half)) return std::nullopt;
     for (const Vec2& start :

@@ -63,8 +63,8 @@ class FaceSearch {
     return distance >= -query_.max_penetration && is_over_face(q, distance);
   }
 
-  // Whether a point inside is nearer to no other face that could rest on it, and no downward face is less
-  // than half as far.
+  // For a point inside the body: whether no other face that could rest on it is nearer, and no downward face
+  // is less than half as far.
   template <class CanRest>
   bool is_nearest(const Vec3& q, double distance, const CanRest& can_rest) const {
     for (int f = 0; f < int(body_.form.faces.size()); ++f) {

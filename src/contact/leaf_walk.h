@@ -79,8 +79,8 @@ struct Leaf {
   double at(int c, int r) const { return z[std::size_t(r + 1)][std::size_t(c + 1)]; }
   Vec3 texel(int c, int r) const { return {(i + c + 0.5) * w, (j + r + 0.5) * h, at(c, r)}; }
 
-  // Whether the plane of these slopes through texel (c, r) is above the texels next to it, with a tolerance,
-  // also a slope.
+  // Whether the plane with these slopes through texel (c, r) is above the texels next to it, with a tolerance
+  // given as slopes.
   bool is_summit(int c, int r, double slope_x, double slope_y, double slack_x, double slack_y) const {
     const double middle = at(c, r);
     return at(c + 1, r) - middle <= (slack_x + slope_x) * w &&
@@ -170,12 +170,13 @@ inline HeightRange range_around(const surface::Surface& surface, const Vec2& at,
 
 // Bounds of where contacts of an edge, an arc's chord or an axis can lie in the relief.
 //
-// A pair of points p of the edge and q of the relief counts when they are at most `above` apart with the
-// relief below, or at most `below` apart with the relief above. Then q cannot lie far below the plane through
-// the edge that is level across it. For q.z >= p.z - above; and since q is at most reach = max(above, below)
-// away from p, that plane is at most slope * reach higher over q than it is at p. So
+// A point p of the edge and a point q of the relief are a candidate pair if they are at most `above` apart
+// with the relief below the edge, or at most `below` apart with the relief above it. Consider the plane that
+// contains the edge and is level across it; q cannot lie far below that plane, because q.z >= p.z - above,
+// and because q is at most reach = max(above, below) away from p, so that the plane is at most slope * reach
+// higher over q than at p. So
 //   plane over q - q.z <= above + slope * reach,
-// and what is lower is culled. An upright edge has no such plane.
+// and anything lower is culled. An upright edge has no such plane.
 class EdgeBounds {
  public:
   EdgeBounds(const Vec3& a, const Vec3& b, double above, double below)
@@ -199,7 +200,7 @@ class EdgeBounds {
     const double d = difference.norm();
     return d == 0 || piece.lower_bound({d, difference / d}) <= reach_;
   }
-  // Whether a point of the relief is too low. Where all corners of a crease or a patch are, it is, too.
+  // Whether a point of the relief is too low. A crease or a patch is too low if all its corners are.
   bool is_too_low(const Vec3& q) const { return has_floor_ && depth_below_floor(q) > 0; }
 
  private:

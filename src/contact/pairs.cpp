@@ -179,12 +179,12 @@ class EdgeSearch {
   //   1. It is square to the edge: e . m = g + g_s s + g_t t = 0, with g = e_z - a e_x/w - b e_y/h,
   //      g_s = -k e_y/h, g_t = -k e_x/w. That is linear: (s, t) is on a straight line. It is parametrised by
   //      the coordinate that changes faster along it, and cut to the unit square.
-  //   2. The line from q along m meets the edge's: V = det[q - A, e, m] = 0. By now V has one variable;
-  //      where its signs at the ends differ, there is a root between them.
+  //   2. The line from q along m meets the edge's: V = det[q - A, e, m] = 0. On the straight line V has one
+  //      variable; where its signs at the ends differ, there is a root between them.
   // Over the plan direction of the edge the height of the patch has the second derivative
   // 2 k (e_x/w)(e_y/h). The gap below a straight edge is a minimum along it only if that is negative: the
-  // patch bends down. For an axis with a radius the sign does not decide, for the patch may curve away
-  // within that radius; either is accepted, and what is no minimum is not the deepest.
+  // patch bends down. For an axis with a radius the sign does not decide, because the patch may curve away
+  // within that radius; both signs are accepted, since a pair that is no minimum is never the deepest.
   void patch(const Leaf& leaf, int c, int r) const {
     const double z = leaf.at(c, r), a = leaf.at(c + 1, r) - z, b = leaf.at(c, r + 1) - z,
                  twist = leaf.at(c + 1, r + 1) - z - a - b;

@@ -54,8 +54,8 @@ Approach::Approach(const btCollisionObjectWrapper& body, const btCollisionObject
 
 namespace {
 
-// The approach's velocity, less what closes a contact c faster than allowed(c), m/s; projected on the planes
-// of the contacts in turn.
+// The approach's velocity, without what closes a contact c faster than allowed(c), m/s; projected on the
+// planes of the contacts in turn.
 template <class Allowed>
 Vec3 clipped_velocity(const Approach& a, const contact::ContactSet& contacts, const Allowed& allowed) {
   Vec3 v = a.velocity;

@@ -52,8 +52,8 @@ ContactsAhead contacts_ahead(const TexturedShapeBase& shape, const contact::Shap
 inline double min_bounce_speed(double gravity, double dt) {
   return std::max(0.02, gravity * dt);
 }
-// Bullet applies restitution to the speed before gravity is added. A bounce needs at least this much of it,
-// or the ratio of what leaves to what Bullet sees would have no bound.
+// Bullet applies restitution to the speed before gravity is added. A bounce needs at least this much of that
+// speed; otherwise the ratio of the rebound to it would have no bound.
 inline double min_solver_speed(double min_bounce) {
   return 0.25 * min_bounce;
 }

@@ -92,8 +92,9 @@ Hull make_hull(const std::vector<Vec3>& points) {
   return hull || points.size() <= max_hull_points || !are_finite ? hull : reduced_hull(points);
 }
 
-// The hulls made last. Bullet makes a new collision algorithm, which needs the hull, whenever a pair comes
-// near. Keyed by the points themselves: a shape's address may be reused, and its points may change.
+// Returns the hull from a cache of the latest ones. Bullet makes a new collision algorithm, which needs the
+// hull, whenever a pair comes near. Keyed by the points themselves: a shape's address may be reused, and its
+// points may change.
 Hull hull_of(std::vector<Vec3> points) {
   struct Entry {
     std::vector<Vec3> points;

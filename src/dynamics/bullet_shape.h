@@ -35,12 +35,14 @@ inline btTransform to_bullet(const Pose& pose) {
                      to_bullet(pose.position));
 }
 
-// Sphere, box, cylinder and capsule along any axis, compound, convex hull; any other convex shape becomes the
-// hull of 42 of its support points. Contact is with the hull itself, without its collision margin. A hull of
-// more than contact::max_hull_points corners becomes one of so many, scaled to the same volume.
+// Converts a sphere, a box, a cylinder or a capsule along any axis, a compound, or a convex hull; any other
+// convex shape becomes the hull of 42 of its support points. Contact is with the hull itself, without its
+// collision margin. A hull of more than contact::max_hull_points corners is reduced to that many and scaled
+// to the same volume.
 //
 // Errors name the shape: neither convex nor a compound of convex ones, or a hull without volume. Cost:
-// nothing for a sphere or a box; milliseconds for the first pair of a hull, of which the latest are cached.
+// nothing for a sphere or a box; milliseconds for a hull that is seen for the first time, and the latest ones
+// are cached.
 Result<contact::Shape> from_bullet(const btCollisionShape& shape);
 
 // A Bullet shape and its children, owned.

@@ -240,8 +240,9 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
     return old;
   }
 
-  // As point `k` of the pair. Bullet's compounds drop points and move others into their places, so the point
-  // itself names its record, by the number that Bullet has for the part of a shape that is touched.
+  // Stores the contact as point `k` of the pair. Bullet's compounds drop points and move others into their
+  // places, so each point carries the number of its record, in the field that Bullet has for the touched part
+  // of a shape.
   void place(btManifoldPoint& point, std::size_t k, const btCollisionObject& body,
              const btCollisionObject& textured) {
     const std::size_t m = k / per_manifold, at = k % per_manifold;

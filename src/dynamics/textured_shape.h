@@ -184,8 +184,8 @@ Result<void> check_shape(const btCollisionShape& shape);
 // Knowledge of the contact query about one manifold point.
 struct ContactRecord {
   std::uint64_t feature = 0;  // contact::ContactPoint::feature
-  // s after the start of the step, of a contact that has just closed; negative when it closed in the step
-  // before and is resolved in this one.
+  // When the contact closed, s after the start of the step; negative if it closed in the step before and is
+  // resolved in this one. Unset unless it has just closed.
   std::optional<double> touch_time;
   std::optional<TextureSite> on_a, on_b;  // textures of the manifold's two bodies
 };

@@ -175,9 +175,9 @@ double World::State::energy(const btRigidBody& body) const {
          mass * options.gravity.dot(from_bullet(body.getWorldTransform().getOrigin()));
 }
 
-// Correcting a penetration lifts a body, and a body that only touches fixed ground cannot gain energy. The
-// energy of the lift is taken from its motion, through the contact that lifted it: with the velocity times
-// sqrt(1 - gained / kinetic), kinetic energy is less by just that.
+// Correcting a penetration lifts a body, but a body that touches nothing but fixed ground cannot gain energy.
+// So the energy of the lift is taken from the body's motion, as an impulse of the contact that lifted it:
+// scaling the velocity by sqrt(1 - gained / kinetic) reduces the kinetic energy by exactly `gained`.
 void World::State::remove_lift_energy(Body& body) {
   if (!body.touched_ground || body.touched_body || is_literal()) return;
   constexpr double lift_tolerance = 2e-3;  // of the body's reach; higher lifts are a rescue

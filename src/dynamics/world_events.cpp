@@ -18,8 +18,8 @@ Vec3 impulse_of(const btManifoldPoint& point) {
          from_bullet(point.m_lateralFrictionDir2) * double(point.m_appliedImpulseLateral2);
 }
 
-// Textures of a body whose plain shape was touched, which no query asked for them: bodies collide without
-// their relief in the representation `normal`, and under a face lies the box.
+// Texture coordinates for contacts with a body's plain shape, which come without any: in the representation
+// `normal` bodies collide without their relief, and below the faces of a textured box lies a plain box.
 
 // The face on the side that `outwards` leaves the box by most; its rectangle may cover less than the side.
 std::optional<TextureSite> face_site(const std::vector<std::shared_ptr<const surface::Surface>>& faces,
@@ -209,7 +209,7 @@ bool World::State::emit_contact(const Contact& contact, double dt) {
   return true;
 }
 
-// Two bodies without texture between them. Each impact is one event without an end; resting contact is below
+// A contact of two bodies without textures. Each impact is one event without an end; resting contact is below
 // the threshold.
 void World::State::emit_untextured_pair(const Contact& contact, const Vec3& point, double dt) {
   Body& moved = body(contact.body.id);

@@ -17,8 +17,8 @@ namespace intaglio::dynamics {
 
 namespace {
 
-// Negative when they overlap. No contact is farther away than the relief is from the body's position, which
-// serves as the margin.
+// The gap between relief and shape, negative when they overlap. No contact is farther away than the relief is
+// from the body's position, so that distance serves as the margin.
 double relief_gap(const surface::Surface& relief, const contact::Shape& shape, const Pose& pose) {
   const auto nearest = closest_point(relief, relief.placement().to_local(pose.position));
   if (!nearest) return 0;

@@ -57,7 +57,7 @@ class FeltRelief {
   bool flat_;
 };
 
-// A slab with a textured top, as the surface is placed; body frame = world frame of that placement. About 0.1
+// A slab with a textured top. Its frame is the world in which the surface is placed. A query takes about 0.1
 // us near the relief.
 class TexturedSlab : public Solid {
  public:
@@ -120,8 +120,8 @@ struct ContactSprings {
 // K (1 + slope^2) and buzzes in grooves.
 //
 // Friction is a y that lags: its tangential step ends where the remaining pull equals mu times the load, the
-// normal force's component along the base normal, so that stick and slip need no states. The load, not the
-// normal force itself: with that, a wall of the texture with mu times its slope above 1 would hold the tip
+// normal force's component along the base normal, so that stick and slip need no states. With the normal
+// force itself in place of the load, a wall of the texture whose slope times mu exceeds 1 would hold the tip
 // against any pull along the base.
 //
 // Frame: the body's own; SI. Real-time: at most 6 samples of the solid per move, mostly 1; one thread.

@@ -11,8 +11,8 @@ namespace {
 // In weights: neighbours overlap by so much, so that no point falls between them.
 constexpr double edge_tolerance = 1e-9;
 
-// Moved to where its normals meet, a triangle has shrunk to a point and weights are noise: below this share
-// of its area on the base it counts as folded.
+// A triangle that is moved along its normals to where they meet shrinks to a point, where weights are noise.
+// It counts as folded when its area is below this fraction of that on the base.
 constexpr double min_jacobian_ratio = 1e-6;
 
 // The normal of the moved triangle, a + b s + c s^2.

@@ -1,5 +1,5 @@
-// Where a texture lies in the world: a curved triangle mesh. The sibling of Placement (a rectangle) in
-// surface/placement.h.
+// Where a texture lies in the world: on a curved triangle mesh. For a rectangle see Placement in
+// surface/surface.h.
 //
 // The base is the mesh with its interpolated normals: each base point has a normal line, and a world point
 // belongs to the base point whose line passes through it, so that world <-> (u, v, height) round-trips to

@@ -276,8 +276,8 @@ bool has_descent(const ReliefMesh& relief, int index, const Vec2& weights, const
   return found;
 }
 
-// Calls visit(triangle, weights) for the triangles that contain a place of one of them: only that one when
-// the place is inside.
+// Calls visit(triangle, weights) for all triangles that contain a point, given by one of them: for that one
+// only, if the point is inside it.
 template <class Visit>
 void for_each_around(const ReliefMesh& relief, int triangle, const Vec2& weights, const Visit& visit) {
   const Vec3 all = barycentric(weights);

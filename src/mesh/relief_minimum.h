@@ -5,20 +5,20 @@
 //   F_a  = grad f . X_a
 //   F_ab = X_a . H X_b + grad f . X_ab,   H the Hessian of f.
 // H has no negative eigenvalue, so only the second term, the curvature of the piece against the direction of
-// f, can make F bend down and have several minima. The search takes what the Hessian of F is at the corners
-// and the centroid of the piece for what it is all over it:
+// f, can make F bend down and have several minima. The search looks at the Hessian of F at the corners and
+// the centroid of the piece, and assumes that it has the same definiteness everywhere on the piece:
 //
 //   positive definite at all of them:  F is convex. Newton's method from the centroid finds its only
-//       minimum. Inside, that is the answer. Outside, the minimum over the piece is on an edge that it lies
-//       beyond: from any other point of the piece the straight way to it begins inside the piece, and F
-//       falls along it. Only those edges are searched.
+//       minimum. If that is inside the piece, it is the answer. If it is outside, the minimum over the
+//       piece is on an edge that it lies beyond: from any other point of the piece, the straight way to it
+//       begins inside the piece, and F falls along it. Only those edges are searched.
 //   indefinite at all of them:  some direction bends down everywhere, so a minimum cannot be inside; all
 //       edges are searched.
 //   else:  all edges are searched, Newton's method is tried for a minimum inside, and the piece is halved,
 //       up to 6 times, as long as its linear bound is below the best so far.
 //
-// Along an edge F has one variable: with slopes of opposite signs at its ends, falling first, Newton's
-// method kept inside by bisection finds a minimum; the ends have been sampled anyway.
+// Along an edge F has one variable. If it falls at the beginning and rises at the end, Newton's method, kept
+// inside by bisection, finds a minimum between; the ends themselves have been sampled before.
 //
 // Newton's method where the Hessian is not positive definite: along a segment H lacks the segment's own
 // direction e, H = I - e e^T. Adding e e^T back gives the Hessian of the distance from a point, an upper

@@ -49,8 +49,9 @@ Mesh pen_mesh(double length, double radius, int slices = 48);
 // A textured slab as a displaced mesh, drawn instead of ray-traced relief, for comparison.
 //
 // Samples the relief on a grid of `cells` x `cells` squares, two triangles each, and closes it with walls
-// down to z = -slab and a floor; local frame, normals those of the surface. With cells = 2 x texels every
-// texel centre is a vertex. Costs 24 bytes a vertex, 24 a square, and about 0.2 us a square.
+// down to z = -slab and a floor. Positions are in the local frame, normals are the surface's. With cells = 2
+// x texels every texel centre is a vertex. Costs 24 bytes per vertex, 24 per square, and about 0.2 us per
+// square.
 Mesh slab_mesh(const surface::Surface& surface, int cells, double slab);
 
 // The layer between a curved base and the bottom of its relief, as tetrahedra: within each one the mapping

@@ -78,10 +78,10 @@ class Renderer {
   ~Renderer();
 
   // Replaces the surfaces; at least one. Bodies cast shadows on all of them, and receive the relief's shadow
-  // from the first. On failure the surfaces before stay.
+  // from the first. On failure the previous surfaces remain.
   Result<void> show(std::span<const SurfacePart> parts);
-  // Uses the shaders of a folder from now on, those that it has; when one does not compile, the error names
-  // its file and line, and the shaders before stay.
+  // Uses the shaders of a folder from now on, and the built-in ones for those it lacks. If one does not
+  // compile, the error names its file and line, and the previous shaders remain.
   Result<void> reload_shaders(const std::filesystem::path& folder);
   // Changes the size of pictures; on failure it stays as it was.
   Result<void> resize(int width, int height);

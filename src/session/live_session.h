@@ -123,8 +123,8 @@ scene::PenSettings pen_for(const scene::Scene& scene);
 
 class LiveSession {
  public:
-  // `surface` is make_surface(scene)'s; a caller keeps it, so that an unchanged texture is not built again.
-  // `device` is the pen's and outlives the session; null: a MouseDevice.
+  // `surface` is the result of make_surface(scene); the caller keeps it, so that an unchanged texture is not
+  // built again. `device` holds the pen and must outlive the session; null: a MouseDevice.
   static Result<std::unique_ptr<LiveSession>> create(const scene::Scene& scene,
                                                      const scene::SceneSurface& surface,
                                                      const LiveSessionOptions& options,

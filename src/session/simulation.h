@@ -1,6 +1,6 @@
 // Offline simulation: physics, haptics and sound of a scene, advanced in one integer clock.
 //
-// Steps run in the order in which they are due (Clock, core/event.h); at the same tick physics goes before
+// Steps run in the order in which they are due (core/clock.h); at the same tick physics goes before
 // haptics, haptics before sound. A block of sound is rendered once every contact that can be heard in it has
 // happened. One thread; deterministic.
 #pragma once

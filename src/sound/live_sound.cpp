@@ -51,7 +51,8 @@ void LiveSound::adjust_offset(double physics_time, double end) {
 }
 
 // Events cannot be placed before the first advance(). Those of an incomplete step wait for the rest of it:
-// the points of a step are one contact only together, and the offset may change in between.
+// the points of a step form one contact only if they are placed together, and the offset may change in
+// between.
 void LiveSound::push_due_events(double physics_time) {
   if (!has_begun_) return;
   const auto now = std::chrono::steady_clock::now();

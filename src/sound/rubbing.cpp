@@ -175,6 +175,8 @@ ContactMotion Rubbing::interpolate(double t) const {
   return now;
 }
 
+// The impulse F dt sum of level_k share_k noise_k(x_k) over both bodies, with F the normal force and x_k the
+// distance swept over body k; the noise is averaged over the sample.
 double Rubbing::micro(const ContactMotion& now, double fade, double dt) {
   double force = 0;
   for (std::size_t k = 0; k < 2; ++k) {

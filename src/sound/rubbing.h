@@ -18,10 +18,11 @@ namespace intaglio::sound {
 // Micro-level sound: fractal noise for the roughness that no texture shows (§1.2.5.1).
 //
 // The noise is a function of the distance travelled, so its pitch follows the speed; its level is
-// proportional to the normal force. A table of one period, of unit rms and zero mean, is built once: the
-// power spectral density is flat up to the wavenumber 1 / correlation_length (rad/m) and falls with the
-// material's spectral slope above it. Immutable, any thread, no allocation per sample. Source: van den Doel,
-// Kry, Pai, "FoleyAutomatic", 2001; Ren, Yeh, Lin, 2010.
+// proportional to the normal force. A table of one period, of unit rms and zero mean, is built once. Its
+// power spectral density at the wavenumber k (rad/m) is
+//   S(k) proportional to max(1, k L)^p,   L: correlation_length, p: spectral_slope of the material.
+// Immutable, any thread, no allocation per sample. Source: van den Doel, Kry, Pai, "FoleyAutomatic", 2001;
+// Ren, Yeh, Lin, 2010.
 
 class MicroNoise {
  public:
@@ -125,8 +126,8 @@ class Rubbing {
   Rubbing() = default;
   // `mass`: kg, that follows a relief: the effective one of both bodies.
   void reset(const std::array<RubbingBody, 2>& bodies, double mass) { *this = Rubbing(bodies, mass); }
-  // From `start` to `end` the motion changes linearly to `to`. `follows_path`, of each body: so does uv on
-  // its relief; otherwise that begins at `to`.
+  // From `start` to `end` the motion changes linearly to `to`. `follows_path`, for each body: whether uv on
+  // its relief does so, too; otherwise it is that of `to` throughout.
   void step(double start, double end, const ContactMotion& to, const std::array<bool, 2>& follows_path);
   // The first step's force is already heard as an impact, so it is ignored here.
   void begin(double start, double end, ContactMotion to);

@@ -31,9 +31,9 @@ double step_start(const ContactEvent& event) {
   return event.time - event.duration;
 }
 
-// Events in the order in which their steps begin: loops of different rates report at the ends of theirs, and
-// a long step that began early must not queue behind a short one. Compacts before growing when more than half
-// has been consumed.
+// Events in the order in which their steps begin. They are pushed in the order in which steps end, which is a
+// different one when loops of different rates report: a long step that began early must not wait behind a
+// short one. The queue compacts before it grows when more than half has been consumed.
 class EventQueue {
  public:
   EventQueue() { events_.reserve(reserved_events); }

@@ -528,8 +528,9 @@ Vec3 ClosestSearch::direction_of(const Best& b) const {
   return length > 1e-12 ? Vec3(-sign_ / length * b.patch.at(b.at.s, b.at.t)) : normal_of(b);
 }
 
-// For a point on the cell's border: whether the distance also increases into the neighbouring cell. Along the
-// border and inwards it does, or the point would not be the cell's nearest.
+// Whether a cell's nearest point is a local minimum of the distance over the whole relief. Within its own
+// cell it is. If it lies on the cell's border, the distance must also increase into the neighbouring cell,
+// which is tested here.
 bool ClosestSearch::is_local_minimum(const Best& candidate) const {
   const auto& [patch, at, i, j] = candidate;
   const Vec3 there = patch.at(at.s, at.t);

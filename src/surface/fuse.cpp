@@ -254,7 +254,8 @@ namespace {
 
 constexpr double min_mean_slope = 1e-3;
 
-// Height differences between neighbouring texels according to the normals, metres; their mean is apart.
+// Height differences between neighbouring texels according to the normals, metres, without their mean, which
+// is kept apart.
 struct TexelSteps {
   Slopes slopes;
   Vec2 mean = Vec2::Zero();
@@ -287,14 +288,14 @@ Placement moved_up(const Placement& place, double by) {
 }  // namespace
 
 ImpliedRelief implied_relief(const Surface& map) {
-  const TexelSteps normals_slopes = texel_steps(map);
+  const TexelSteps steps = texel_steps(map);
   FuseInput input;
-  input.slopes = normals_slopes.slopes;
+  input.slopes = steps.slopes;  // metres per texel, so that fuse() gives metres
   input.edge = map.edge() == Edge::wrap ? FuseEdge::periodic : FuseEdge::mirrored;
   Field height = fuse(input).height;
 
   ImpliedRelief out;
-  const Vec2 mean(normals_slopes.mean.x() / map.texel_u(), normals_slopes.mean.y() / map.texel_v());
+  const Vec2 mean(steps.mean.x() / map.texel_u(), steps.mean.y() / map.texel_v());
   if (mean.norm() > min_mean_slope) out.mean_slope = mean;
   std::vector<double> z(height.value.begin(), height.value.end());
   for (int j = 0; j < height.height; ++j) {

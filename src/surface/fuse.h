@@ -78,10 +78,12 @@ double slope_noise(const Slopes& slopes, double step);
 
 // The relief that a normal map implies: its normals integrated to a height.
 //
-// Used for dynamics and haptics when only a normal map exists, so that forces are conservative. The mean
-// height lies in the map's base plane. A mean slope above 0.001 is kept: then the result does not repeat, its
-// edge mode is clamp, and its depth grows with the rectangle. Smaller mean slopes are treated as rounding and
-// removed, as is curl. Cost: a few FFTs, 0.1 s at 512 x 512; any thread.
+// Used for dynamics when only a normal map exists, so that forces are conservative. With s the slopes of the
+// normals, m their mean and c the middle of the rectangle, the height is
+//   z(x) = h(x) + m . (x - c),   h: s - m integrated by fuse(), of mean zero;
+// its mean lies in the map's base plane. If |m| is above 0.001, the
+// result does not repeat, its edge mode is clamp, and its depth grows with the rectangle. A smaller m is
+// treated as rounding and removed, as is curl. Cost: a few FFTs, 0.1 s at 512 x 512; any thread.
 struct ImpliedRelief {
   std::shared_ptr<const Surface> surface;  // the map's normals on its implied height
   Vec2 mean_slope = Vec2::Zero();          // (dz/dx, dz/dy), local; zero when it was removed

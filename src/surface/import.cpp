@@ -286,8 +286,8 @@ class Importer {
     slopes_ = std::move(fused.slopes);
   }
 
-  // `height` in texels becomes depth fractions of its own range, 0 = top. A map's `top` stays where it is,
-  // unless the fused field rises above it.
+  // Stores `height` (texels) as depth in fractions of its range, 0 at the top. `top` is the top of the height
+  // map, 0 without one: it stays the zero of the depth unless the fused height rises above it.
   void set_depth(const Field& height, double top) {
     const auto [low, high] = std::minmax_element(height.value.begin(), height.value.end());
     const double highest = std::max(top, double(*high));

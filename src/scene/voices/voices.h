@@ -51,9 +51,10 @@ Result<Voices> bake_voices(const Scene& scene, const SceneSurface& surface, cons
 sound::SynthesizerOptions synthesizer_options(const Scene& scene);
 
 // Bakes a scene's modal models on a thread of its own, one scene at a time (MUMPS works on one matrix at a
-// time), without blocking the caller. A superseded request finishes the model under way, which goes to the
-// cache, and is dropped. The destructor abandons the model under way and joins the thread, which takes some
-// tenths of a second. One thread calls (the window's).
+// time), without blocking the caller. When a new request replaces one in progress, the model being baked is
+// still finished and cached; the rest of the old request is dropped. The destructor abandons the model being
+// baked and joins the thread, which takes some tenths of a second. All functions are called from one thread
+// (the window's).
 class VoiceBaker {
  public:
   VoiceBaker();

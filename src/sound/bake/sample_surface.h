@@ -1,8 +1,8 @@
-// Simplifies a modal model's surface as far as its mode shapes allow: points are removed while shapes
-// interpolated linearly between the remaining ones stay what they were.
+// Simplifies a modal model's surface as far as its mode shapes allow: removes points as long as the shapes,
+// interpolated linearly between the remaining points, change by less than a given error.
 //
-// Bending and shear waves are centimetres long where elements must be as small as a body is thin; a model
-// that kept every node would be many times larger, with no gain in accuracy. Remaining points keep their
+// Bending and shear waves are centimetres long, but elements must be as small as the body is thin, so a model
+// that kept every node would be many times larger, with no gain in accuracy. The remaining points keep their
 // exact shapes. Cost: about 1 s for 20,000 points. Source: Hoppe et al., "Mesh optimization", 1993 (edge
 // collapse, with the error measured at the removed points).
 #pragma once

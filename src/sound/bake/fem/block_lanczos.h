@@ -59,10 +59,11 @@ class Factorisation {
   std::unique_ptr<Instance> instance_;
 };
 
-// A tall, growing matrix of basis vectors, and the two products that orthogonalising against them takes.
+// A tall, growing matrix of basis vectors, and the two products that are needed to orthogonalise against
+// them.
 //
-// Stored in chunks, so that growing never copies; the products are BLAS's, which chooses its kernel by the
-// processor. Cost: both products together stream the basis through memory twice.
+// Stored in chunks, so that growing never copies. The products are computed by BLAS, which chooses its kernel
+// by the processor. Cost: both products together stream the basis through memory twice.
 
 class TallBasis {
  public:

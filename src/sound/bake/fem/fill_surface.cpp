@@ -152,8 +152,8 @@ SolidQuery solid_query(const BodySurface& body, const SurfaceQuery& surface, con
   return {[&](const Vec3& p) { return winding.value(frame * p) > 0.5; }};
 }
 
-// Edges closer together than elements, a relief's, are not restored; nor are those inside other shells, which
-// have matter on both sides.
+// Edges that are closer together than elements, such as a relief's, are not restored; nor are those inside
+// other shells, which have matter on both sides.
 void restore_edges(CornerMesh& corners, const BodySurface& body, const SurfaceQuery& surface,
                    const WindingNumber& winding, double cell) {
   std::vector<SharpEdge> sharp = find_sharp_edges(body);

@@ -37,8 +37,9 @@ Result<FilledSurface> netgen_fill(const BodySurface& body, const FillOptions& op
 
 enum class Mesher { automatic, lattice, netgen };
 
-// Whether the surface has edges of more than 30 degrees between faces of which one is more than 25 degrees
-// off the lattice, and these lie farther apart than an element: finer edges (a relief's) are ignored.
+// Whether the surface has sharp edges (more than 30 degrees) that the lattice does not follow: at least one
+// adjoining face is more than 10 degrees off the lattice's axes. Edges that are closer together than an
+// element, such as a relief's, are ignored.
 bool has_skew_edges(const BodySurface& body, double element_size);
 // Element-size factor for such bodies, whose elements are less well shaped near the edges.
 inline constexpr double skew_edge_size_factor = 0.7;
