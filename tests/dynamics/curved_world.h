@@ -5,11 +5,10 @@
 
 #include "dynamics/textured_shape.h"
 #include "tests/dynamics/plain_bullet.h"
+#include "tests/dynamics/worlds.h"
 #include "tests/mesh/curved_bases.h"
 
 namespace intaglio::tests {
-
-constexpr double g = 9.81;
 
 // A plain Bullet world that corrects penetrations without adding velocity.
 struct CurvedWorld : PlainBullet {

@@ -11,10 +11,9 @@
 
 using namespace intaglio;
 using namespace intaglio::dynamics;
+using std::numbers::pi;
 
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 Material slippery(double restitution) {
   Material out;

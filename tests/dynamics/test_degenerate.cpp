@@ -26,7 +26,7 @@ ShapeBody body_at(const Vec3& position, const Vec3& velocity = Vec3::Zero(),
   return out;
 }
 
-WorldOptions options_for(Representation representation) {
+WorldOptions scene_options(Representation representation) {
   WorldOptions out = scene::options(60);
   out.representation = representation;
   return out;
@@ -34,7 +34,7 @@ WorldOptions options_for(Representation representation) {
 
 // Runs a world with that body and a valid one for a second; all status bits of the first.
 unsigned status_after(const ShapeBody& body, Representation representation, int steps = 60) {
-  World world(scene::floor(128), scene::material(), options_for(representation));
+  World world(scene::floor(128), scene::material(), scene_options(representation));
   world.add(body);
   const double height = representation == Representation::relief ? 0.2 : 0.1;
   world.add(body_at({0.5, height, 0.5}));
@@ -84,7 +84,7 @@ TEST_CASE("bodies that cannot be simulated report it and affect no other") {
 TEST_CASE("a body beyond the edge falls and reports it") {
   for (const auto r : {Representation::flat, Representation::normal, Representation::relief}) {
     CHECK((status_after(body_at({2.5, 0.2, 0}), r) & status::off_edge) != 0);
-    World world(scene::floor(128), scene::material(), options_for(r));
+    World world(scene::floor(128), scene::material(), scene_options(r));
     world.add(body_at({2.5, 0.2, 0}));
     for (int k = 0; k < 60; ++k) world.step();
     CHECK(world.pose(1).position.y() < -3);
@@ -92,7 +92,7 @@ TEST_CASE("a body beyond the edge falls and reports it") {
 }
 
 TEST_CASE("a body under the relief reports it, comes up, and is not thrown") {
-  World world(scene::floor(128), scene::material(), options_for(Representation::relief));
+  World world(scene::floor(128), scene::material(), scene_options(Representation::relief));
   world.add(body_at({0.3, -0.25, 0.2}));
   world.step();
   CHECK((world.status(1) & status::under) != 0);
@@ -111,7 +111,7 @@ TEST_CASE("enormous speeds do not go through the floor") {
     CHECK((status_after(body_at({-0.5, 0.5, 0}, {0, -1e4, 0}), r) & slowed) != 0);
     CHECK((status_after(body_at({-0.5, 0.5, 0}, {1e12, -1e12, 1e12}), r) & slowed) != 0);
     for (const double speed : {5.0, 20.0, 60.0, 400.0, 1e4, 1e30}) {
-      World world(scene::floor(128), scene::material(), options_for(r));
+      World world(scene::floor(128), scene::material(), scene_options(r));
       world.add(body_at({-0.5, 0.5, 0}, {0, -speed, 0}));
       world.add(body_at({-0.5, 0.3, 0.5}, {0.2 * speed, -speed, 0}));
       for (int k = 0; k < 30; ++k) world.step();

@@ -6,22 +6,28 @@
 
 #include "intaglio/representation.h"
 #include "tests/dynamics/plain_bullet.h"
+#include "tests/dynamics/worlds.h"
 #include "tests/surface/brick_surface.h"
 
 using namespace intaglio;
+using tests::grating_depth;
+using tests::grating_period;
 using tests::PlainBullet;
 
 namespace {
 
-constexpr double period = 0.08, depth = 0.02, slope_angle = 20 * std::numbers::pi / 180;
+constexpr double slope_angle = 20 * std::numbers::pi / 180;
 
 // Ridges across X, on a square of `side` metres; the block's face down, 5 cm under its middle.
-std::shared_ptr<const surface::Surface> grating(double side, const surface::Placement& placement) {
-  const auto phase = [=](Vec2 uv) { return 2 * std::numbers::pi * (uv.x() * side - 0.5 * side) / period; };
-  const double steepest = depth * std::numbers::pi / period;
+std::shared_ptr<const surface::Surface> grating_with_normals(double side,
+                                                             const surface::Placement& placement) {
+  const auto phase = [=](Vec2 uv) {
+    return 2 * std::numbers::pi * (uv.x() * side - 0.5 * side) / grating_period;
+  };
+  const double steepest = grating_depth * std::numbers::pi / grating_period;
   return tests::made_surface(
       int(std::lround(side / 0.01)), [=](Vec2 uv) { return 0.5 + 0.5 * std::cos(phase(uv)); },
-      [=](Vec2 uv) { return Vec3(-steepest * std::sin(phase(uv)), 0, 1); }, depth, placement);
+      [=](Vec2 uv) { return Vec3(-steepest * std::sin(phase(uv)), 0, 1); }, grating_depth, placement);
 }
 
 // How far a block slides in a second on a slope that falls towards +X.
@@ -40,9 +46,9 @@ double slides(PlainBullet& plain, btCollisionShape& block, double height) {
 }  // namespace
 
 TEST_CASE("gratings of one period interlock: they hold a slope that a flat pair slides down") {
-  const auto below = grating(2.4, tests::flat_placement(2.4));
+  const auto below = grating_with_normals(2.4, tests::flat_placement(2.4));
   const Quat upside_down(Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitX()));
-  const auto above = grating(0.32, {Vec3(0, -0.05, 0), upside_down, 0.32, 0.32});
+  const auto above = grating_with_normals(0.32, {Vec3(0, -0.05, 0), upside_down, 0.32, 0.32});
   PlainBullet rough(below);
   dynamics::TexturedShape block(above);
   const double held = slides(rough, block, 0.06);
@@ -54,6 +60,6 @@ TEST_CASE("gratings of one period interlock: they hold a slope that a flat pair 
   const double expected = 0.5 * 9.81 * (std::sin(slope_angle) - friction * std::cos(slope_angle));
   MESSAGE("in a second the gratings moved " << 1000 * held << " mm, the flat pair " << 1000 * slid
                                             << " mm; friction alone gives " << 1000 * expected);
-  CHECK(std::abs(held) < period);
+  CHECK(std::abs(held) < grating_period);
   CHECK(slid > 0.5);
 }

@@ -28,7 +28,7 @@ SphereBody ball(const Vec3& position) {
   return body;
 }
 
-WorldOptions flat(bool pairs = true) {
+WorldOptions flat_options(bool pairs = true) {
   WorldOptions options;
   options.representation = Representation::flat;
   options.report_pairs = pairs;
@@ -39,7 +39,7 @@ WorldOptions flat(bool pairs = true) {
 
 TEST_CASE("a ball rests on a second surface at its height, and its events name that surface") {
   const Material stone = *find_material("stone");
-  World world(plate(Vec3::Zero()), stone, flat());
+  World world(plate(Vec3::Zero()), stone, flat_options());
   const BodyId shelf = world.add_surface(plate({1.2, 0.4, 0}), stone);
   CHECK(shelf == first_surface_body);
   CHECK(is_surface(shelf));
@@ -58,7 +58,7 @@ TEST_CASE("a ball rests on a second surface at its height, and its events name t
 }
 
 TEST_CASE("a driven paddle throws a ball at its own speed or more; a fixed post stays") {
-  World world(plate(Vec3::Zero()), *find_material("stone"), flat());
+  World world(plate(Vec3::Zero()), *find_material("stone"), flat_options());
   ShapeBody paddle;
   paddle.shape = contact::Box{{0.02, 0.05, 0.1}};
   paddle.material = *find_material("steel");
@@ -91,7 +91,7 @@ TEST_CASE("a driven paddle throws a ball at its own speed or more; a fixed post 
 }
 
 TEST_CASE("a push at a point turns a body; a push through the middle does not") {
-  WorldOptions options = flat();
+  WorldOptions options = flat_options();
   options.gravity = Vec3::Zero();
   World world(plate(Vec3::Zero()), *find_material("stone"), options);
   const BodyId a = world.add(ball({0, 0.5, 0})), b = world.add(ball({0.5, 0.5, 0}));

@@ -21,7 +21,7 @@ WorldOptions normals(int rate) {
   return out;
 }
 
-SphereBody ball_at(const Vec3& position) {
+SphereBody scene_ball(const Vec3& position) {
   SphereBody ball;
   ball.radius = scene::radius;
   ball.material = scene::material();
@@ -54,7 +54,7 @@ TEST_CASE("T8: on a uniformly tilted normal map a ball rolls as on the slope, an
     for (const double heading : {0.0, 0.6}) {
       const auto map = tilted(degrees, heading);
       World world(map, scene::material(), normals(240));
-      world.add(ball_at({0, scene::radius, 0}));
+      world.add(scene_ball({0, scene::radius, 0}));
       double sink = 0, slip = 0;
       constexpr double duration = 0.5;
       for (int k = 0; k < 240 * duration; ++k) {
@@ -81,7 +81,7 @@ TEST_CASE("T9: a ball between normals of 60 to 75 degrees does not spin in place
   for (const double degrees : {60.0, 67.0, 75.0}) {
     for (const int count : {4, 16}) {
       World world(valleys(degrees, count), scene::material(), normals(240));
-      for (int k = 0; k < 10; ++k) world.add(ball_at({-0.5 + 0.11 * k, scene::radius, 0.1 * k}));
+      for (int k = 0; k < 10; ++k) world.add(scene_ball({-0.5 + 0.11 * k, scene::radius, 0.1 * k}));
       double spinning = 0, longest = 0;
       for (int n = 0; n < 240 * 6; ++n) {
         world.step();

@@ -7,14 +7,18 @@
 
 #include "dynamics/world.h"
 #include "intaglio/representation.h"
+#include "tests/dynamics/worlds.h"
 #include "tests/mesh/curved_bases.h"
 
 using namespace intaglio;
 using namespace intaglio::dynamics;
+using std::numbers::pi;
+using tests::light_material;
+using tests::options_for;
 
 namespace {
 
-constexpr double pi = std::numbers::pi, step = 1.0 / 480;
+constexpr double world_step = 1.0 / 480;
 
 std::shared_ptr<const surface::Surface> waves(const surface::Placement& placement, double depth) {
   return tests::made_surface(
@@ -25,20 +29,6 @@ std::shared_ptr<const surface::Surface> waves(const surface::Placement& placemen
 std::shared_ptr<const surface::Surface> smooth_floor(double side) {
   return tests::made_surface(
       8, [](Vec2) { return 0.0; }, [](Vec2) { return Vec3::UnitZ(); }, 0, tests::flat_placement(side));
-}
-
-Material material(double friction) {
-  Material out;
-  out.density = 600;
-  out.friction = friction;
-  out.restitution = out.rolling_resistance = 0;
-  return out;
-}
-
-WorldOptions options(Representation representation) {
-  WorldOptions out;
-  out.representation = representation;
-  return out;
 }
 
 // Follows one contact from step to step; across seams uv is unwrapped.
@@ -52,8 +42,8 @@ struct Track {
     if (before) {
       Vec2 moved = uv - *before;
       moved -= moved.array().round().matrix().eval();
-      worst = std::max(worst, (moved.cwiseProduct(size) - sweep * step).norm());
-      way += sweep.norm() * step;
+      worst = std::max(worst, (moved.cwiseProduct(size) - sweep * world_step).norm());
+      way += sweep.norm() * world_step;
       ++steps;
     }
     before = uv;
@@ -67,7 +57,7 @@ ShapeBody skinned_ball(double radius, double depth) {
   ShapeBody ball;
   ball.shape = contact::Sphere{radius};
   ball.skin = tests::relief_on(base, waves(measure, depth));
-  ball.material = material(1);
+  ball.material = light_material(1);
   ball.pose = {{0, radius + 1e-5, 0}, Quat(Eigen::AngleAxisd(0.5 * pi, Vec3::UnitX()))};
   ball.velocity = {0.3, 0, 0};
   ball.angular_velocity = {0, 0, -0.3 / radius};
@@ -79,7 +69,7 @@ ShapeBody skinned_ball(double radius, double depth) {
 TEST_CASE("a rolling ball sweeps over its own texture as far as its uv advances, with relief and without") {
   for (const Representation representation : {Representation::relief, Representation::normal}) {
     CAPTURE(int(representation));
-    World world(smooth_floor(2), material(1), options(representation));
+    World world(smooth_floor(2), light_material(1), options_for(representation));
     const double radius = 0.05;
     const BodyId ball =
         world.add(skinned_ball(radius, representation == Representation::relief ? 1e-6 : 0.002));
@@ -102,7 +92,7 @@ TEST_CASE("a rolling ball sweeps over its own texture as far as its uv advances,
     // One turn covers the length of the texture.
     CHECK(own.way == doctest::Approx(0.3 * 0.3 / (2 * pi * radius)).epsilon(0.07));
     // With relief the ball touches at the edges between the triangles of its base, so uv jumps.
-    if (representation == Representation::normal) CHECK(own.worst < 0.01 * 0.3 * step);
+    if (representation == Representation::normal) CHECK(own.worst < 0.01 * 0.3 * world_step);
   }
 }
 
@@ -110,20 +100,20 @@ TEST_CASE(
     "over a body that lies askew, uv and sweep are in that body's frame; an untextured ball has no texture of its own") {
   for (const Representation representation : {Representation::relief, Representation::normal}) {
     CAPTURE(int(representation));
-    World world(smooth_floor(4), material(0), options(representation));
+    World world(smooth_floor(4), light_material(0), options_for(representation));
     const Vec3 half(0.3, 0.05, 0.3);
     ShapeBody table;
     table.shape = contact::Box{half};
     const surface::Placement top({0, half.y(), 0}, Quat::Identity(), 0.6, 0.6);
     const Quat upside_down(Eigen::AngleAxisd(pi, Vec3::UnitX()));
     table.faces = {waves({{0, -half.y(), 0}, upside_down, 0.6, 0.6}, 0), waves(top, 0)};
-    table.material = material(0);
+    table.material = light_material(0);
     table.motion = Motion::fixed;
     table.pose = {{0.2, 0.5, -0.1}, Quat(Eigen::AngleAxisd(0.7, Vec3::UnitY()))};
     const BodyId under = world.add(table);
     SphereBody ball;
     ball.radius = 0.02;
-    ball.material = material(0);
+    ball.material = light_material(0);
     ball.position = table.pose.to_world({-0.2, half.y() + ball.radius + 1e-5, 0.1});
     ball.velocity = {0.2, 0, 0.1};
     world.add(ball);
@@ -145,19 +135,19 @@ TEST_CASE(
       }
     }
     MESSAGE("way " << track.way << " m, worst step " << 1000 * track.worst << " mm");
-    CHECK(track.way == doctest::Approx(std::hypot(0.2, 0.1) * 299 * step).epsilon(0.01));
-    CHECK(track.worst < 0.01 * 0.22 * step);
+    CHECK(track.way == doctest::Approx(std::hypot(0.2, 0.1) * 299 * world_step).epsilon(0.01));
+    CHECK(track.worst < 0.01 * 0.22 * world_step);
   }
 }
 
 TEST_CASE("a block that slides on its own texture stands still on it") {
-  World world(smooth_floor(4), material(0), options(Representation::normal));
+  World world(smooth_floor(4), light_material(0), options_for(Representation::normal));
   const Vec3 half(0.1, 0.05, 0.1);
   ShapeBody block;
   block.shape = contact::Box{half};
   const Quat upside_down(Eigen::AngleAxisd(pi, Vec3::UnitX()));
   block.faces = {waves({{0, -half.y(), 0}, upside_down, 0.2, 0.2}, 0.001)};
-  block.material = material(0);
+  block.material = light_material(0);
   block.pose.position = {0, half.y() + 1e-5, 0};
   block.velocity = {0.3, 0, 0};
   world.add(block);
@@ -178,10 +168,10 @@ TEST_CASE("a block that slides on its own texture stands still on it") {
 TEST_CASE("a block that slides fast touches with the corners of its own texture, however coarse the steps") {
   for (const Representation representation : {Representation::relief, Representation::normal}) {
     CAPTURE(int(representation));
-    WorldOptions coarse = options(representation);
+    WorldOptions coarse = options_for(representation);
     coarse.step = 1.0 / 60;
     coarse.most_substeps = 1;
-    World world(smooth_floor(8), material(0), coarse);
+    World world(smooth_floor(8), light_material(0), coarse);
     const Vec3 half(0.1, 0.05, 0.1);
     ShapeBody block;
     block.shape = contact::Box{half};
@@ -189,7 +179,7 @@ TEST_CASE("a block that slides fast touches with the corners of its own texture,
     block.faces = {tests::made_surface(
         8, [](Vec2) { return 0.0; }, [](Vec2) { return Vec3::UnitZ(); }, 0,
         {{0, -half.y(), 0}, upside_down, 0.2, 0.2})};
-    block.material = material(0);
+    block.material = light_material(0);
     block.pose.position = {-2, half.y() + 1e-5, 0};
     block.velocity = {4, 0, 0};  // 7 cm a step
     world.add(block);
@@ -218,11 +208,11 @@ TEST_CASE(
     for (const bool ball_first : {true, false}) {
       CAPTURE(int(motion));
       CAPTURE(ball_first);
-      World world(smooth_floor(4), material(1), options(Representation::normal));
+      World world(smooth_floor(4), light_material(1), options_for(Representation::normal));
       ShapeBody plank, ball = skinned_ball(radius, 0.002);
       const Vec3 half(0.6, 0.05, 0.2);
       plank.shape = contact::Box{half};
-      plank.material = material(1);
+      plank.material = light_material(1);
       plank.motion = motion;
       plank.pose.position = {0.1, half.y() + 1e-5, 0};
       ball.pose.position.y() += 2 * half.y() + 1e-5;
@@ -249,8 +239,8 @@ TEST_CASE(
         }
       }
       MESSAGE("way " << track.way << " m, worst step " << 1000 * track.worst << " mm");
-      CHECK(track.way == doctest::Approx(0.3 * 300 * step * 0.3 / (2 * pi * radius)).epsilon(0.1));
-      CHECK(track.worst < 0.02 * 0.3 * step);
+      CHECK(track.way == doctest::Approx(0.3 * 300 * world_step * 0.3 / (2 * pi * radius)).epsilon(0.1));
+      CHECK(track.worst < 0.02 * 0.3 * world_step);
     }
   }
 }

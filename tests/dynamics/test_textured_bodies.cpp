@@ -11,35 +11,29 @@
 #include "dynamics/world.h"
 #include "dynamics/world_state.h"
 #include "intaglio/representation.h"
+#include "tests/dynamics/worlds.h"
 #include "tests/mesh/curved_bases.h"
 
 using namespace intaglio;
 using namespace intaglio::dynamics;
+using std::numbers::pi;
+using tests::g;
+using tests::grating_depth;
+using tests::grating_period;
+using tests::light_material;
 
 namespace {
 
-constexpr double pi = std::numbers::pi, g = 9.81, period = 0.08, depth = 0.02;
-
-Material material(double friction, double restitution = 0) {
-  Material out;
-  out.name = "test";
-  out.density = 600;
-  out.friction = friction;
-  out.restitution = restitution;
-  out.rolling_resistance = 0;
-  return out;
-}
-
 // Ridges across u on a square, a ridge under its middle; or none.
 std::shared_ptr<const surface::Surface> grating(double side, const surface::Placement& placement,
-                                                double deep = depth) {
-  const auto phase = [=](Vec2 uv) { return 2 * pi * (uv.x() - 0.5) * side / period; };
+                                                double deep = grating_depth) {
+  const auto phase = [=](Vec2 uv) { return 2 * pi * (uv.x() - 0.5) * side / grating_period; };
   return tests::made_surface(
       int(std::lround(side / 0.01)), [=](Vec2 uv) { return 0.5 + 0.5 * std::cos(phase(uv)); },
       [](Vec2) { return Vec3::UnitZ(); }, deep, placement);
 }
 
-std::shared_ptr<const surface::Surface> flat(double side) {
+std::shared_ptr<const surface::Surface> flat_floor(double side) {
   return grating(side, tests::flat_placement(side), 0);
 }
 
@@ -47,7 +41,7 @@ std::shared_ptr<const surface::Surface> flat(double side) {
 ShapeBody block(const Vec3& position, bool below, bool above, const Vec3& half = {0.16, 0.05, 0.16}) {
   ShapeBody out;
   out.shape = contact::Box{half};
-  out.material = material(0.3);
+  out.material = light_material(0.3);
   out.pose.position = position;
   const Quat upside_down(Eigen::AngleAxisd(pi, Vec3::UnitX()));
   const double side = 2 * half.x();
@@ -68,7 +62,7 @@ ShapeBody rough_ball(double radius, const Vec3& position, double deep = 0.004) {
   ShapeBody out;
   out.shape = contact::Sphere{radius};
   out.skin = tests::relief_on(surface::make_sphere(radius, 48, 24), bumps);
-  out.material = material(0.4);
+  out.material = light_material(0.4);
   out.pose.position = position;
   return out;
 }
@@ -152,14 +146,15 @@ TEST_CASE("gratings of one period hold a slope that flat blocks slide down") {
     WorldOptions options = at_rate(240);
     const double angle = 20 * pi / 180;
     options.gravity = g * Vec3(std::sin(angle), -std::cos(angle), 0);
-    World world(textured ? grating(2.4, tests::flat_placement(2.4)) : flat(2.4), material(0.3), options);
+    World world(textured ? grating(2.4, tests::flat_placement(2.4)) : flat_floor(2.4), light_material(0.3),
+                options);
     Laws laws(world, {block({-0.36, textured ? 0.0301 : 0.0501, 0}, textured, false)}, options.gravity);
     laws.run(1, 240);
     const double moved = world.pose(1).position.x() + 0.36;
     MESSAGE(std::string(textured ? "gratings" : "flat")
             << " moved " << 1000 * moved << " mm; " << laws.say());
     if (textured) {
-      CHECK(std::abs(moved) < 0.01 * period);
+      CHECK(std::abs(moved) < 0.01 * grating_period);
     } else {
       CHECK(moved == doctest::Approx(0.5 * g * (std::sin(angle) - 0.3 * std::cos(angle))).epsilon(0.02));
     }
@@ -169,7 +164,7 @@ TEST_CASE("gratings of one period hold a slope that flat blocks slide down") {
 }
 
 TEST_CASE("a stack of two free gratings settles, rests and stays; events name both bodies and the place") {
-  World world(flat(2), material(0.5), at_rate(240));
+  World world(flat_floor(2), light_material(0.5), at_rate(240));
   Laws laws(world, {block({0, 0.0502, 0}, false, true), block({0, 0.135, 0}, true, false)}, {0, -g, 0});
   int begun = 0, ended = 0;
   for (int n = 0; n < 480; ++n) {
@@ -202,10 +197,10 @@ TEST_CASE("a stack of two free gratings settles, rests and stays; events name bo
 }
 
 TEST_CASE("balls lie on the relief of one free slab and on the plain back of another") {
-  World world(flat(2), material(0.5), at_rate(240));
+  World world(flat_floor(2), light_material(0.5), at_rate(240));
   ShapeBody ball;
   ball.shape = contact::Sphere{0.03};
-  ball.material = material(0.4);
+  ball.material = light_material(0.4);
   ball.pose.position = {0.02, 0.16, 0.01};
   ShapeBody other = ball;
   other.pose.position = {0.62, 0.16, 0.01};
@@ -225,7 +220,7 @@ TEST_CASE("balls lie on the relief of one free slab and on the plain back of ano
 }
 
 TEST_CASE("blocks with gratings tumble onto a grating, gain no energy, and none falls through") {
-  World world(grating(2.4, tests::flat_placement(2.4)), material(0.5), at_rate(480));
+  World world(grating(2.4, tests::flat_placement(2.4)), light_material(0.5), at_rate(480));
   std::vector<ShapeBody> blocks;
   for (int k = 0; k < 3; ++k) {
     blocks.push_back(block({0.1 * k, 0.3 + 0.25 * k, 0}, true, true));
@@ -244,7 +239,7 @@ TEST_CASE("blocks with gratings tumble onto a grating, gain no energy, and none 
 }
 
 TEST_CASE("a relief ball rolls on a relief floor and pushes a relief block away") {
-  World world(grating(2.4, tests::flat_placement(2.4), 0.004), material(0.5), at_rate(240));
+  World world(grating(2.4, tests::flat_placement(2.4), 0.004), light_material(0.5), at_rate(240));
   ShapeBody ball = rough_ball(0.1, {-0.4, 0.105, 0.02});
   ball.velocity = {0.8, 0, 0};
   ball.angular_velocity = {0, 0, -8};
@@ -274,10 +269,10 @@ TEST_CASE("a ball and a box come to rest in a relief bowl; without relief the bo
   for (const auto representation : {Representation::relief, Representation::flat}) {
     WorldOptions options = at_rate(240);
     options.representation = representation;
-    World world(bowl, material(0.5), options);
+    World world(bowl, light_material(0.5), options);
     ShapeBody ball;
     ball.shape = contact::Sphere{0.03};
-    ball.material = material(0.4, 0.3);
+    ball.material = light_material(0.4, 0.3);
     ball.material.rolling_resistance = 0.01;
     ball.pose.position = {0.3, -0.25, 0.05};
     ShapeBody box = ball;
@@ -314,7 +309,7 @@ TEST_CASE(
     "a box with gratings above and below comes to rest in a relief bowl; the upper one touches nothing") {
   const auto bowl =
       tests::relief_on(tests::tiled(surface::make_bowl(0.5, 96, 48), {4, 2}), tests::brick_surface(128));
-  World world(bowl, material(0.5), at_rate(240));
+  World world(bowl, light_material(0.5), at_rate(240));
   ShapeBody box = block({-0.1, -0.38, 0.05}, true, true, {0.08, 0.04, 0.08});
   box.velocity = {0.3, 0, 0.2};
   Laws laws(world, {box}, {0, -g, 0});
@@ -340,7 +335,7 @@ TEST_CASE("two relief balls touch a relief bowl and each other, and gain no ener
           doctest::test_suite("statistics")) {
   const auto bowl =
       tests::relief_on(tests::tiled(surface::make_bowl(0.5, 64, 32), {4, 2}), tests::brick_surface(64));
-  World world(bowl, material(0.5), at_rate(240));
+  World world(bowl, light_material(0.5), at_rate(240));
   ShapeBody left = rough_ball(0.08, {-0.0825, -0.41, 0}), right = rough_ball(0.08, {0.0825, -0.41, 0});
   left.velocity = {0.3, 0, 0};
   Laws laws(world, {left, right}, {0, -g, 0});
@@ -363,7 +358,7 @@ TEST_CASE("two textured bodies collide in free space: momentum is conserved, ene
   WorldOptions options = at_rate(480);
   options.gravity.setZero();
   // The floor is far below.
-  World world(grating(1, {Vec3(0, -5, 0), Quat::Identity(), 1, 1}), material(0.5), options);
+  World world(grating(1, {Vec3(0, -5, 0), Quat::Identity(), 1, 1}), light_material(0.5), options);
   ShapeBody falling = block({0.03, 0.2, 0.01}, true, false);
   falling.velocity = {0, -0.5, 0};
   Laws laws(world, {block({0, 0, 0}, false, true), falling}, {0, 0, 0});
@@ -379,7 +374,7 @@ TEST_CASE("two textured bodies collide in free space: momentum is conserved, ene
 }
 
 TEST_CASE("an open skin and a skin without size report that they are not simulated") {
-  World world(flat(2), material(0.5), at_rate(240));
+  World world(flat_floor(2), light_material(0.5), at_rate(240));
   ShapeBody open = rough_ball(0.1, {0, 1, 0});
   open.skin = tests::relief_on(surface::make_bowl(0.1, 24, 12), tests::no_relief());
   const BodyId id = world.add(open);

@@ -7,26 +7,22 @@
 #include "core/hash.h"
 #include "dynamics/world.h"
 #include "intaglio/representation.h"
+#include "tests/dynamics/worlds.h"
 #include "tests/surface/brick_surface.h"
 
 using namespace intaglio;
 using namespace intaglio::dynamics;
+using tests::options_for;
 
 namespace {
 
-SphereBody ball_at(const Vec3& position, const Vec3& velocity = Vec3::Zero()) {
+SphereBody plastic_ball(const Vec3& position, const Vec3& velocity = Vec3::Zero()) {
   SphereBody ball;
   ball.radius = 0.04;
   ball.material = *find_material("plastic");
   ball.position = position;
   ball.velocity = velocity;
   return ball;
-}
-
-WorldOptions options_for(Representation representation) {
-  WorldOptions options;
-  options.representation = representation;
-  return options;
 }
 
 double energy(const World& world, const SphereBody& ball) {
@@ -41,7 +37,7 @@ double energy(const World& world, const SphereBody& ball) {
 TEST_CASE("reported impulses and gravity account for every change of velocity (Eq. 1.1)") {
   for (const auto representation : {Representation::flat, Representation::normal, Representation::relief}) {
     World world(tests::brick_surface(256), *find_material("brick"), options_for(representation));
-    const SphereBody ball = ball_at({-0.3, 0.12, 0.2}, {0.8, 0, -0.4});
+    const SphereBody ball = plastic_ball({-0.3, 0.12, 0.2}, {0.8, 0, -0.4});
     world.add(ball);
     for (int k = 0; k < 960; ++k) world.step();
     CHECK(world.momentum_residual() < 0.01 * ball.mass() * 9.81 / 480);
@@ -50,7 +46,7 @@ TEST_CASE("reported impulses and gravity account for every change of velocity (E
 
 TEST_CASE("a ball on relief gains no energy beyond rounding") {
   World world(tests::brick_surface(256), *find_material("brick"), options_for(Representation::relief));
-  const SphereBody ball = ball_at({-0.42, 0.12, 0.3}, {1.0, 0, -0.4});
+  const SphereBody ball = plastic_ball({-0.42, 0.12, 0.3}, {1.0, 0, -0.4});
   world.add(ball);
   double lowest = energy(world, ball);
   double gained = 0;
@@ -66,7 +62,7 @@ TEST_CASE("a ball on relief gains no energy beyond rounding") {
 
 TEST_CASE("a ball comes to rest in the mortar, lower than on a brick, and stays there silently") {
   World world(tests::brick_surface(256), *find_material("brick"), options_for(Representation::relief));
-  world.add(ball_at({-0.35, 0.09, 0.255}, {0.5, 0, 0.1}));
+  world.add(plastic_ball({-0.35, 0.09, 0.255}, {0.5, 0, 0.1}));
   for (int k = 0; k < 480 * 6; ++k) world.step();
   const Vec3 rest = world.pose(1).position;
   CHECK(rest.y() < 0.037);  // on a brick's face the centre is at about 0.038
@@ -81,7 +77,7 @@ TEST_CASE("on a uniformly tilted normal map a ball accelerates down the implied 
   WorldOptions literal = options_for(Representation::normal);
   literal.normal_method = NormalMethod::literal;
   World world(tests::tilted_normals(tilt), *find_material("brick"), literal);
-  world.add(ball_at({-0.4, 0.04, 0}));
+  world.add(plastic_ball({-0.4, 0.04, 0}));
   for (int k = 0; k < 240; ++k) world.step();
   const double radians = tilt * std::numbers::pi / 180;
   const double expected = 5.0 / 7 * 9.81 * std::sin(radians) * std::cos(radians) * 0.5;
@@ -93,7 +89,7 @@ TEST_CASE("on a uniformly tilted normal map a ball accelerates down the implied 
 
 TEST_CASE("a ball on the flat representation of a brick rolls on undisturbed") {
   World world(tests::brick_surface(256), *find_material("brick"), options_for(Representation::flat));
-  world.add(ball_at({-0.4, 0.04, 0}, {0.5, 0, 0}));
+  world.add(plastic_ball({-0.4, 0.04, 0}, {0.5, 0, 0}));
   double low = 1, high = 0;
   for (int k = 0; k < 480; ++k) {
     world.step();
@@ -106,7 +102,7 @@ TEST_CASE("a ball on the flat representation of a brick rolls on undisturbed") {
 
 TEST_CASE("events begin once, persist, and end") {
   World world(tests::brick_surface(256), *find_material("brick"), options_for(Representation::relief));
-  world.add(ball_at({-0.3, 0.2, 0.2}, {0.5, 0, -0.2}));
+  world.add(plastic_ball({-0.3, 0.2, 0.2}, {0.5, 0, -0.2}));
   bool touching = false;
   double last_time = 0;
   for (int k = 0; k < 1440; ++k) {
@@ -133,8 +129,8 @@ TEST_CASE("two runs are identical to the bit; the paper's method and ours both w
       WorldOptions options;
       options.method = method;
       World world(tests::brick_surface(256), *find_material("brick"), options);
-      world.add(ball_at({-0.42, 0.12, 0.3}, {1.4, 0, -0.5}));
-      world.add(ball_at({0.1, 0.3, 0.1}, {-0.3, 0, -0.1}));
+      world.add(plastic_ball({-0.42, 0.12, 0.3}, {1.4, 0, -0.5}));
+      world.add(plastic_ball({0.1, 0.3, 0.1}, {-0.3, 0, -0.1}));
       Hash hash;
       for (int k = 0; k < 960; ++k) {
         world.step();
@@ -153,7 +149,7 @@ TEST_CASE("a dropped ball bounces back with the pair's restitution, and flies ba
   World world(tests::made_surface(
                   64, [](Vec2) { return 0.0; }, [](Vec2) { return Vec3::UnitZ(); }),
               *find_material("brick"), {});
-  const SphereBody ball = ball_at({0, 0.34, 0});  // falls 0.3 m
+  const SphereBody ball = plastic_ball({0, 0.34, 0});  // falls 0.3 m
   world.add(ball);
   double highest = 0;
   bool landed = false;
