@@ -49,7 +49,7 @@ double box_distance2(const Cell& cell, const Vec3& p) {
 }
 
 // Every cell within a side and a half of the rectangle.
-double brute_distance(const Surface& s, const Vec3& p) {
+double brute_distance(const surface::Surface& s, const Vec3& p) {
   const auto [under_i, under_j] = s.cell_at(p.x(), p.y());
   double best2 = brute_cell_distance2(s.cell(under_i, under_j), p);
   for (int j = -s.height() - 2; j <= 2 * s.height() + 2; ++j) {
@@ -62,14 +62,14 @@ double brute_distance(const Surface& s, const Vec3& p) {
 }
 
 // Over, in and beside the rectangle; most of them near the relief.
-Vec3 random_pose(const Surface& s, Random& random) {
+Vec3 random_pose(const surface::Surface& s, Random& random) {
   const double above = random.uniform() < 0.7 ? 0.05 : 0.5;
   return {random.uniform(-0.2, 1.2) * s.placement().size_u(),
           random.uniform(-0.2, 1.2) * s.placement().size_v(), random.uniform(-2 * s.max_depth(), above)};
 }
 
 // By how much the relief on a small ring around `point`, with a radius in texels, is nearer than `point`.
-double nearer_around(const Surface& s, const Vec3& p, const Vec3& point, double texels) {
+double nearer_around(const surface::Surface& s, const Vec3& p, const Vec3& point, double texels) {
   double least = infinity;
   for (int k = 0; k < 32; ++k) {
     const double angle = k * 0.19634954, ring = texels * std::min(s.texel_u(), s.texel_v());
@@ -106,7 +106,7 @@ TEST_CASE("the closest point is as near as brute force finds, whatever size and 
   const int count = tests::poses(1500) / int(surfaces.size()) + 1;
   double worst = 0;
   for (std::size_t n = 0; n < surfaces.size(); ++n) {
-    const Surface& s = *surfaces[n];
+    const surface::Surface& s = *surfaces[n];
     Random random(100 + n);
     for (int k = 0; k < count; ++k) {
       const Vec3 p = random_pose(s, random);
@@ -201,7 +201,7 @@ TEST_CASE("no local minimum within reach is missing unless a nearer feature has 
 }
 
 TEST_CASE("over a plane there is one feature, straight below, of either sign, however far the reach") {
-  for (const Edge edge : {Edge::wrap, Edge::clamp}) {
+  for (const surface::Edge edge : {surface::Edge::wrap, surface::Edge::clamp}) {
     const auto s = tests::made_surface(
         16, [](Vec2) { return 0.5; }, [](Vec2) { return Vec3::UnitZ(); }, 0.02, tests::flat_placement(),
         edge);
@@ -220,7 +220,7 @@ TEST_CASE("without a depth map the relief is the plane z = 0") {
   Texels texels;
   texels.width = texels.height = 2;
   texels.normal.assign(4, Vec3::UnitZ());
-  const Surface s(std::move(texels), tests::flat_placement(), 0.02, Edge::wrap);
+  const surface::Surface s(std::move(texels), tests::flat_placement(), 0.02, surface::Edge::wrap);
   std::array<Feature, 4> features;
   for (const double height : {0.03, -0.03}) {
     REQUIRE(closest_features(s, {0.4, 0.6, height}, 0.05, 0.35, features) == 1);
@@ -245,7 +245,7 @@ TEST_CASE("in a groove both walls are found") {
 }
 
 TEST_CASE("wrap is seamless: the closest point moves along with the point, by whole sides") {
-  const auto s = tests::rough_surface(37, 53, Edge::wrap);
+  const auto s = tests::rough_surface(37, 53, surface::Edge::wrap);
   Random random(15);
   for (int k = 0; k < 1000; ++k) {
     const Vec3 p = random_pose(*s, random);
@@ -262,7 +262,7 @@ TEST_CASE("wrap is seamless: the closest point moves along with the point, by wh
 }
 
 // Wrapped, of a width that leaves a block of one column at the seam, with the steepest step there.
-std::shared_ptr<const Surface> stepped(int width, int height, int rolled) {
+std::shared_ptr<const surface::Surface> stepped(int width, int height, int rolled) {
   Texels texels;
   texels.width = width;
   texels.height = height;
@@ -278,7 +278,7 @@ std::shared_ptr<const Surface> stepped(int width, int height, int rolled) {
     }
   }
   const Placement place(Vec3::Zero(), Quat::Identity(), 0.01 * width, 0.01 * height);
-  return std::make_shared<const Surface>(std::move(texels), place, 0.1, Edge::wrap);
+  return std::make_shared<const surface::Surface>(std::move(texels), place, 0.1, surface::Edge::wrap);
 }
 
 TEST_CASE("features do not depend on where the texture begins, whatever the size of its last block") {
@@ -306,7 +306,7 @@ TEST_CASE("features do not depend on where the texture begins, whatever the size
 TEST_CASE("far beyond a border the outermost cells extend") {
   const auto surfaces = tests::various_surfaces();
   for (const auto& s : surfaces) {
-    if (s->edge() != Edge::clamp) continue;
+    if (s->edge() != surface::Edge::clamp) continue;
     Random random(10);
     for (const double x : {9e6, 1.1e7, 1e8}) {
       for (int k = 0; k < 50; ++k) {

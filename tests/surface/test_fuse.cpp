@@ -16,12 +16,12 @@ using namespace intaglio::surface;
 
 namespace {
 
-constexpr int n = 512;
+constexpr int known_size = 512;
 
 // A known surface: height in texels, 0 at its lowest, and its slopes.
 struct Known {
-  Field height{n, n};
-  Slopes slopes{Field(n, n), Field(n, n)};
+  Field height{known_size, known_size};
+  Slopes slopes{Field(known_size, known_size), Field(known_size, known_size)};
   double range = 0;  // texels
 };
 
@@ -39,9 +39,9 @@ Known waves(int cycles, double relief, std::uint64_t seed) {
       all.push_back({kx, ky, random.uniform(0.3, 1), random.uniform(0, 6.28)});
   }
   Known out;
-  const double tau = 2 * std::numbers::pi / n;
-  for (int y = 0; y < n; ++y) {
-    for (int x = 0; x < n; ++x) {
+  const double tau = 2 * std::numbers::pi / known_size;
+  for (int y = 0; y < known_size; ++y) {
+    for (int x = 0; x < known_size; ++x) {
       double h = 0, sx = 0, sy = 0;
       for (const Wave& w : all) {
         const double at = tau * (w.kx * x + w.ky * y) + w.phase;
@@ -55,24 +55,24 @@ Known waves(int cycles, double relief, std::uint64_t seed) {
     }
   }
   const auto [low, high] = std::minmax_element(out.height.value.begin(), out.height.value.end());
-  const double factor = relief * n / double(*high - *low);
+  const double factor = relief * known_size / double(*high - *low);
   const float lowest = *low;
   for (float& h : out.height.value) h -= lowest;
   scale(out.height, factor);
   scale(out.slopes, factor);
-  out.range = relief * n;
+  out.range = relief * known_size;
   return out;
 }
 
 Known brick(double relief) {
   BrickRecipe recipe;
-  recipe.size = n;
+  recipe.size = known_size;
   const TextureImages images = make_brick(recipe);
   Known out;
-  out.range = relief * n;
-  for (int y = 0; y < n; ++y) {
-    for (int x = 0; x < n; ++x)
-      out.height.at(x, n - 1 - y) = float((1 - images.relief.at(x, y, 3) / 65535.0) * out.range);
+  out.range = relief * known_size;
+  for (int y = 0; y < known_size; ++y) {
+    for (int x = 0; x < known_size; ++x)
+      out.height.at(x, known_size - 1 - y) = float((1 - images.relief.at(x, y, 3) / 65535.0) * out.range);
   }
   Field unit = out.height;
   scale(unit, 1 / out.range);
@@ -101,7 +101,7 @@ struct Gains {
 Gains gains(const std::string& name, const Known& known) {
   Field h8 = known.height;
   for (float& h : h8.value) h = float(std::round(double(h) / known.range * 255) / 255 * known.range);
-  Slopes s8{Field(n, n), Field(n, n)};
+  Slopes s8{Field(known_size, known_size), Field(known_size, known_size)};
   for (std::size_t k = 0; k < s8.x.value.size(); ++k) {
     Vec3 normal = Vec3(-double(known.slopes.x.value[k]), -double(known.slopes.y.value[k]), 1).normalized();
     for (int c = 0; c < 3; ++c) normal[c] = std::round((0.5 * normal[c] + 0.5) * 255) / 127.5 - 1;
@@ -112,7 +112,7 @@ Gains gains(const std::string& name, const Known& known) {
   const Fused normals_only = fuse({{}, s8, 0, 2.0 / 255, FuseEdge::periodic});
   Field unit = h8;
   scale(unit, 1 / known.range);
-  const Slopes depth_slopes = central_slopes(unit, known.range / n);
+  const Slopes depth_slopes = central_slopes(unit, known.range / known_size);
   const double height = rms(fused.height.value, known.height.value, false);
   const double slope = slope_rms(fused.slopes, known.slopes);
   const Gains out{rms(h8.value, known.height.value, false) / height,

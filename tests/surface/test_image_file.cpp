@@ -226,9 +226,9 @@ TEST_CASE("the same picture is equal in all formats, within their precision") {
     CHECK(difference(decoded(encode_png(image)).pixels, truth) == 0);
     CHECK(difference(decoded(encode_tga(image, {true})).pixels, truth) == 0);
     CHECK(difference(decoded(encode_exr(truth)).pixels, truth) == 0);
-    ExrLayout half;
-    half.half = true;
-    CHECK(difference(decoded(encode_exr(truth, half)).pixels, truth) <= 1.0 / 4096);
+    ExrLayout layout;
+    layout.half = true;
+    CHECK(difference(decoded(encode_exr(truth, layout)).pixels, truth) <= 1.0 / 4096);
     CHECK(difference(decoded(encode_jpeg(image)).pixels, truth) <= 3.0 / 255);
     CHECK(difference(decoded(encode_jpeg(image, 100, true)).pixels, truth) <= 3.0 / 255);
   }

@@ -99,7 +99,7 @@ TEST_CASE("a flipped green channel or an inverted height is detected and correct
         }
       }
       REQUIRE(write_file(folder.path / "f.png", encode_png(flipped.relief)));
-      for (const auto mode : {ImportMode::raw, ImportMode::fused}) {
+      for (const auto mode : {surface::ImportMode::raw, surface::ImportMode::fused}) {
         ImportOptions options;
         options.mode = mode;
         const auto imported = import_texture(folder.path / "f.png", options);
@@ -107,7 +107,7 @@ TEST_CASE("a flipped green channel or an inverted height is detected and correct
         CHECK(imported->report.detected_green == (minus ? Green::minus_y : Green::plus_y));
         CHECK(imported->report.detected_polarity == (high ? Polarity::height : Polarity::depth));
         CHECK(imported->report.implied_depth == doctest::Approx(0.02).epsilon(0.05));
-        if (mode == ImportMode::fused) continue;
+        if (mode == surface::ImportMode::fused) continue;
         CHECK(rms(imported->texels.depth, truth.depth) < 1e-5);
         for (std::size_t k = 0; k < truth.normal.size(); ++k)
           CHECK((imported->texels.normal[k] - truth.normal[k]).norm() < 1e-4);
@@ -121,7 +121,7 @@ TEST_CASE("options override what is detected") {
   const TextureImages brick = make_brick(small_brick());
   REQUIRE(write_file(folder.path / "b.png", encode_png(brick.relief)));
   ImportOptions options;
-  options.mode = ImportMode::raw;
+  options.mode = surface::ImportMode::raw;
   options.green = Green::minus_y;
   options.polarity = Polarity::height;
   const auto imported = import_texture(folder.path / "b.png", options);
@@ -160,7 +160,7 @@ TEST_CASE("a normal map alone gets an implied depth, of about the right amount")
   REQUIRE(fused);
   CHECK(fused->depth_fraction == doctest::Approx(0.02).epsilon(0.15));
   ImportOptions raw;
-  raw.mode = ImportMode::raw;
+  raw.mode = surface::ImportMode::raw;
   const auto as_it_is = import_texture(folder.path / "n.png", raw);
   REQUIRE(as_it_is);
   CHECK(as_it_is->texels.depth.empty());
@@ -212,7 +212,7 @@ TEST_CASE("floating-point files may hold heights of any unit and normals of eith
   REQUIRE(write_file(folder.path / "w_height.exr", encoders::encode_exr(height)));
   REQUIRE(write_file(folder.path / "w_normal.exr", encoders::encode_exr(normal)));
   ImportOptions options;
-  options.mode = ImportMode::raw;
+  options.mode = surface::ImportMode::raw;
   const auto imported = import_texture(folder.path, options);
   REQUIRE(imported);
   CHECK(imported->report.detected_polarity == Polarity::height);

@@ -11,15 +11,15 @@ using namespace intaglio;
 namespace {
 
 // A plane of slopes (0.02, -0.05), 8 x 4 texels over 2 x 3 m.
-constexpr int width = 8, height = 4;
-const Vec2 size(2, 3), slope(0.02, -0.05);
+constexpr int plane_columns = 8, plane_rows = 4;
+const Vec2 plane_size(2, 3), plane_slope(0.02, -0.05);
 
 std::vector<float> plane() {
   std::vector<float> heights;
-  for (int j = 0; j < height; ++j)
-    for (int i = 0; i < width; ++i)
-      heights.push_back(
-          float(slope.x() * size.x() * (i + 0.5) / width + slope.y() * size.y() * (j + 0.5) / height));
+  for (int j = 0; j < plane_rows; ++j)
+    for (int i = 0; i < plane_columns; ++i)
+      heights.push_back(float(plane_slope.x() * plane_size.x() * (i + 0.5) / plane_columns +
+                              plane_slope.y() * plane_size.y() * (j + 0.5) / plane_rows));
   return heights;
 }
 
@@ -28,26 +28,27 @@ std::vector<float> plane() {
 TEST_CASE(
     "a surface from heights has these heights below the highest, and their slopes up to a border that is clamped") {
   const std::vector<float> heights = plane();
-  const auto surface = Surface::from_heights(width, height, heights, {.size = size, .edge = Edge::clamp});
+  const auto surface = intaglio::Surface::from_heights(plane_columns, plane_rows, heights,
+                                                       {.size = plane_size, .edge = intaglio::Edge::clamp});
   REQUIRE(surface);
-  const double top = double(heights[width - 1]);
-  CHECK(surface->depth() == doctest::Approx(top - double(heights[(height - 1) * width])));
-  for (int j = 0; j < height; ++j) {
-    for (int i = 0; i < width; ++i) {
-      const Vec2 uv((i + 0.5) / width, (j + 0.5) / height);
+  const double top = double(heights[plane_columns - 1]);
+  CHECK(surface->depth() == doctest::Approx(top - double(heights[(plane_rows - 1) * plane_columns])));
+  for (int j = 0; j < plane_rows; ++j) {
+    for (int i = 0; i < plane_columns; ++i) {
+      const Vec2 uv((i + 0.5) / plane_columns, (j + 0.5) / plane_rows);
       CHECK(surface->height(uv) ==
-            doctest::Approx(double(heights[std::size_t(j * width + i)]) - top).epsilon(1e-5));
+            doctest::Approx(double(heights[std::size_t(j * plane_columns + i)]) - top).epsilon(1e-5));
       const Vec3 n = surface->normal(uv);  // u is +X, v is -Z
-      CHECK(-n.x() / n.y() == doctest::Approx(slope.x()).epsilon(1e-3));
-      CHECK(n.z() / n.y() == doctest::Approx(slope.y()).epsilon(1e-3));
+      CHECK(-n.x() / n.y() == doctest::Approx(plane_slope.x()).epsilon(1e-3));
+      CHECK(n.z() / n.y() == doctest::Approx(plane_slope.y()).epsilon(1e-3));
     }
   }
 }
 
 TEST_CASE("rays, closest points and points agree on where a placed surface is") {
   const Pose pose{Vec3(1, 2, 3), rotation(0.7, Vec3(1, 2, -1).normalized())};
-  const auto surface =
-      Surface::from_heights(width, height, plane(), {.size = size, .pose = pose, .edge = Edge::clamp});
+  const auto surface = intaglio::Surface::from_heights(
+      plane_columns, plane_rows, plane(), {.size = plane_size, .pose = pose, .edge = intaglio::Edge::clamp});
   REQUIRE(surface);
   const Vec2 uv(0.4, 0.6);
   const Vec3 on = surface->point(uv), up = pose.orientation * Vec3::UnitY();
@@ -65,7 +66,7 @@ TEST_CASE("rays, closest points and points agree on where a placed surface is") 
 }
 
 TEST_CASE("a built-in texture brings its material and has the depth that is asked for") {
-  const auto bricks = Surface::load("brick", {.size = {4, 4}, .depth = 0.08, .generated_size = 64});
+  const auto bricks = intaglio::Surface::load("brick", {.size = {4, 4}, .depth = 0.08, .generated_size = 64});
   REQUIRE(bricks);
   CHECK(bricks->material().name == "brick");
   CHECK(bricks->depth() == doctest::Approx(0.08));
@@ -74,10 +75,10 @@ TEST_CASE("a built-in texture brings its material and has the depth that is aske
 
 TEST_CASE("what cannot be a surface is an error that says why") {
   const std::vector<float> heights = plane();
-  CHECK_FALSE(Surface::from_heights(width + 1, height, heights));
-  CHECK_FALSE(Surface::from_heights(width, height, heights, {.size = {0, 1}}));
-  CHECK_FALSE(Surface::load("brick", {.depth = -1.0}));
-  const auto missing = Surface::load("no such texture");
+  CHECK_FALSE(intaglio::Surface::from_heights(plane_columns + 1, plane_rows, heights));
+  CHECK_FALSE(intaglio::Surface::from_heights(plane_columns, plane_rows, heights, {.size = {0, 1}}));
+  CHECK_FALSE(intaglio::Surface::load("brick", {.depth = -1.0}));
+  const auto missing = intaglio::Surface::load("no such texture");
   REQUIRE_FALSE(missing);
   CHECK(missing.error().message().find("no such texture") != std::string::npos);
 }

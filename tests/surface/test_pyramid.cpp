@@ -29,7 +29,7 @@ void for_each_block(const Pyramid& p, const Visit& visit) {
 }
 
 // Brute force: the corners of every cell's part of the rectangle, in texels.
-HeightRange brute_height_range(const Surface& s, const Vec2& a, const Vec2& b) {
+HeightRange brute_height_range(const surface::Surface& s, const Vec2& a, const Vec2& b) {
   const Vec2 low = a.cwiseMin(b), high = a.cwiseMax(b);
   HeightRange out{1, -1e9};
   const auto stops = [](double from, double to, int n) {
@@ -112,7 +112,7 @@ TEST_CASE("ranges are exact: some texel is as deep as they say, some as shallow"
 TEST_CASE("slabs are tight on a slope: a tilted plane is bounded within a few steps of storage") {
   const auto s = tests::made_surface(
       64, [](Vec2 uv) { return 0.2 + 0.5 * uv.x() + 0.2 * uv.y(); }, [](Vec2) { return Vec3::UnitZ(); }, 0.02,
-      tests::flat_placement(), Edge::clamp);
+      tests::flat_placement(), surface::Edge::clamp);
   for_each_block(s->pyramid(), [&](int level, int x, int y) {
     if (level > 0 || x == 0 || y == 0 || x > 14 || y > 14) return;  // at the border it is not a plane
     const Pyramid::Slab slab = s->pyramid().slab(level, x, y);
@@ -157,7 +157,7 @@ TEST_CASE("the height range of a point is its height, of everything the total ra
   Texels texels;
   texels.width = texels.height = 2;
   texels.normal.assign(4, Vec3::UnitZ());
-  const Surface flat(std::move(texels), tests::flat_placement(), 0.02, Edge::wrap);
+  const surface::Surface flat(std::move(texels), tests::flat_placement(), 0.02, surface::Edge::wrap);
   CHECK(height_range(flat, {0, 0}, {1, 1}).low == 0);
   CHECK(flat.pyramid().levels() == 0);
 }
@@ -167,7 +167,7 @@ TEST_CASE("a texture of 8192 x 8192 loads and answers") {
     tests::skipped("INTAGLIO_SLOW is not set");
     return;
   }
-  const auto s = tests::rough_surface(8192, 8192, Edge::wrap, 0.05);
+  const auto s = tests::rough_surface(8192, 8192, surface::Edge::wrap, 0.05);
   MESSAGE("8192 x 8192 surface: " << s->memory_bytes() / 1048576 << " MiB");
   Random random(41);
   for (int k = 0; k < 1000; ++k) {

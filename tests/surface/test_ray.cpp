@@ -15,7 +15,7 @@ namespace {
 // of the ray above the patch, a parabola in t, split at its turning point and bisected.
 class March {
  public:
-  March(const Surface& surface, const Vec3& origin, const Vec3& direction)
+  March(const surface::Surface& surface, const Vec3& origin, const Vec3& direction)
       : s_(surface), o_(origin), d_(direction) {}
 
   std::optional<double> run(double t0, double t1) const {
@@ -65,7 +65,7 @@ class March {
     return std::nullopt;
   }
 
-  const Surface& s_;
+  const surface::Surface& s_;
   Vec3 o_, d_;
 };
 
@@ -77,7 +77,7 @@ TEST_CASE("a ray hits where a march through every cell finds it, whatever size, 
   double worst = 0;
   int hits = 0, grazed = 0;
   for (std::size_t n = 0; n < surfaces.size(); ++n) {
-    const Surface& s = *surfaces[n];
+    const surface::Surface& s = *surfaces[n];
     Random random(200 + n);
     for (int k = 0; k < count; ++k) {
       const double flat = std::pow(10.0, random.uniform(-2, 0));
@@ -177,7 +177,7 @@ TEST_CASE("without a depth map a ray meets the plane z = 0") {
   Texels texels;
   texels.width = texels.height = 2;
   texels.normal.assign(4, Vec3::UnitZ());
-  const Surface s(std::move(texels), tests::flat_placement(), 0.02, Edge::wrap);
+  const surface::Surface s(std::move(texels), tests::flat_placement(), 0.02, surface::Edge::wrap);
   const auto hit = intersect(s, {0.2, 0.2, 1}, {0.1, 0.2, -1}, 0, 10);
   REQUIRE(hit);
   CHECK((hit->point - Vec3(0.3, 0.4, 0)).norm() < 1e-11);

@@ -42,7 +42,7 @@ TEST_CASE("wrap is seamless: depth, normal and gradient repeat with period 1") {
 TEST_CASE("clamp extends the border") {
   const auto s = made_surface(
       8, [](Vec2 uv) { return uv.x(); }, [](Vec2) { return Vec3::UnitZ(); }, 0.02, tests::flat_placement(),
-      Edge::clamp);
+      surface::Edge::clamp);
   CHECK(s->depth({-3, 0.5}) == doctest::Approx(0.02 * 0.5 / 8));
   CHECK(s->depth({4, 0.5}) == doctest::Approx(0.02 * 7.5 / 8));
 }
@@ -99,7 +99,7 @@ TEST_CASE("v goes up the image: the first row of a file is at v = 1") {
       images.relief.at(x, y, 3) = y == 0 ? 65535 : 0;  // only the top row is deep
     }
   }
-  const Surface s(to_texels(images), tests::flat_placement(), 0.02, Edge::wrap);
+  const surface::Surface s(to_texels(images), tests::flat_placement(), 0.02, surface::Edge::wrap);
   CHECK(s.depth({0.5, 0.875}) == doctest::Approx(0.02));
   CHECK(s.depth({0.5, 0.125}) == doctest::Approx(0));
 }
@@ -167,7 +167,7 @@ TEST_CASE("the gradient of smooth() is the derivative of its height, and continu
       const Vec2 numeric = Vec2(height(uv + Vec2(h, 0)) - height(uv - Vec2(h, 0)),
                                 height(uv + Vec2(0, h)) - height(uv - Vec2(0, h)))
                                .cwiseQuotient(2 * h * metres);
-      const SmoothHeight here = s->smooth(uv, footprint);
+      const surface::SmoothHeight here = s->smooth(uv, footprint);
       CHECK((here.gradient - numeric).norm() < 1e-4 * (1 + numeric.norm()));
       for (const Vec2& step : {Vec2(1e-9, 0), Vec2(-1e-9, 0), Vec2(0, 1e-9)}) {
         CHECK((s->smooth(uv + step, footprint).gradient - here.gradient).norm() <
@@ -178,7 +178,7 @@ TEST_CASE("the gradient of smooth() is the derivative of its height, and continu
 }
 
 TEST_CASE("smooth() goes through the texels, and without a depth map it is the plane") {
-  const auto s = tests::rough_surface(37, 53, Edge::wrap);
+  const auto s = tests::rough_surface(37, 53, surface::Edge::wrap);
   for (int j = 0; j < 53; ++j) {
     for (int i = 0; i < 37; ++i)
       CHECK(std::abs(s->smooth({(i + 0.5) / 37, (j + 0.5) / 53}).height - s->texel_z(i, j)) < 1e-12);
@@ -186,7 +186,7 @@ TEST_CASE("smooth() goes through the texels, and without a depth map it is the p
   Texels texels;
   texels.width = texels.height = 2;
   texels.normal.assign(4, Vec3(0.6, 0, 0.8));
-  const Surface flat(std::move(texels), tests::flat_placement(), 0.02, Edge::wrap);
+  const surface::Surface flat(std::move(texels), tests::flat_placement(), 0.02, surface::Edge::wrap);
   CHECK(flat.smooth({0.3, 0.4}, 0.1).height == 0);
   CHECK(flat.smooth({0.3, 0.4}, 0.1).gradient.norm() == 0);
   const Sample sample = flat.sample({0.3, 0.4}, 0.8);
@@ -201,7 +201,7 @@ TEST_CASE("wrap is seamless at every footprint, and clamp extends the border") {
     for (int k = 0; k < 200; ++k) {
       const double footprint = std::pow(10.0, random.uniform(-3, 1));
       const Vec2 uv(random.uniform(), random.uniform());
-      if (s->edge() == Edge::wrap) {
+      if (s->edge() == surface::Edge::wrap) {
         const Vec2 shifted = uv + Vec2(std::floor(random.uniform(-4, 4)), std::floor(random.uniform(-4, 4)));
         const Sample a = s->sample(uv, footprint), b = s->sample(shifted, footprint);
         CHECK(std::abs(a.depth - b.depth) < 1e-9);
@@ -228,7 +228,7 @@ TEST_CASE("non-finite and huge arguments give finite results") {
         const Sample sample = s->sample({bad, 0.5}, footprint);
         CHECK((std::isfinite(sample.depth) && sample.normal.allFinite() && sample.gradient.allFinite() &&
                std::isfinite(sample.roughness)));
-        const SmoothHeight smooth = s->smooth({0.5, bad}, footprint);
+        const surface::SmoothHeight smooth = s->smooth({0.5, bad}, footprint);
         CHECK((std::isfinite(smooth.height) && smooth.gradient.allFinite()));
       }
     }
@@ -237,7 +237,7 @@ TEST_CASE("non-finite and huge arguments give finite results") {
 
 TEST_CASE("memory grows linearly with the texels") {
   const auto bytes = [](int size) {
-    const auto s = tests::rough_surface(size, size, Edge::wrap);
+    const auto s = tests::rough_surface(size, size, surface::Edge::wrap);
     return double(s->memory_bytes() - sizeof *s - s->colour().data.size()) / size / size;
   };
   const double small = bytes(128), large = bytes(512);

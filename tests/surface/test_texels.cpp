@@ -16,7 +16,7 @@ struct Means {
 };
 
 // Over level 0, from the surface's own texels.
-Means means_of_texels(const Surface& s) {
+Means means_of_texels(const surface::Surface& s) {
   const std::vector<float> depths = s.depth_texture();
   Means sum;
   for (int j = 0; j < s.height(); ++j) {
@@ -62,7 +62,7 @@ TEST_CASE(
 }
 
 TEST_CASE("levels halve, rounding up, down to a single texel") {
-  const auto s = tests::rough_surface(37, 53, Edge::wrap);
+  const auto s = tests::rough_surface(37, 53, surface::Edge::wrap);
   const Mips& mips = s->mips();
   REQUIRE(mips.coarsest() == 6);
   int width = 37, height = 53;
@@ -73,11 +73,11 @@ TEST_CASE("levels halve, rounding up, down to a single texel") {
     CHECK(mips.grid(level).height == height);
   }
   CHECK((width == 1 && height == 1));
-  CHECK(tests::rough_surface(1, 1, Edge::clamp)->mips().coarsest() == 0);
+  CHECK(tests::rough_surface(1, 1, surface::Edge::clamp)->mips().coarsest() == 0);
 }
 
 TEST_CASE("a texel is the area-weighted mean of what it covers, at odd sizes too") {
-  const auto s = tests::rough_surface(5, 4, Edge::wrap, 1.0);
+  const auto s = tests::rough_surface(5, 4, surface::Edge::wrap, 1.0);
   // 5 texels to 3: the middle one covers 1/3 of texel 1, all of 2, 1/3 of 3... in units of 5/3 texels.
   const std::vector<float> depths = s->depth_texture();
   const auto d = [&](int i, int j) { return double(depths[s->grid().index(i, j)]); };
