@@ -44,6 +44,11 @@ inline contact::Mesh angle_bracket(double size) {
   return {*contact::closed_mesh(vertices, triangles)};
 }
 
+// The distance of the first contact, or `otherwise` where there is none.
+inline double first_distance(const contact::ContactSet& set, double otherwise) {
+  return set.count > 0 ? set.points[0].distance : otherwise;
+}
+
 struct Body {
   std::string name;
   contact::Shape shape;

@@ -14,13 +14,13 @@ using namespace intaglio::contact;
 
 namespace {
 
-struct Pair {
+struct CurvedPair {
   std::string name;
   surface::ReliefMesh body, ground;
   double from, to;  // m, the body's height: just touching is between
 };
 
-std::vector<Pair> pairs() {
+std::vector<CurvedPair> curved_pairs() {
   const auto rough = [](int n, double depth, std::uint64_t seed) {
     return tests::rough_surface(n, n, surface::Edge::wrap, 0.1, seed, depth);
   };
@@ -35,7 +35,7 @@ std::vector<Pair> pairs() {
 }
 
 // Lowered until it touches, then moved by up to `most`.
-Pose touching(Random& random, const Pair& pair, double least, double most) {
+Pose touching(Random& random, const CurvedPair& pair, double least, double most) {
   Pose pose{Vec3(random.uniform(-0.03, 0.03), 0, random.uniform(-0.03, 0.03)), tests::any_turn(random)};
   double low = pair.from, high = pair.to;
   for (int k = 0; k < 16; ++k) {
@@ -48,7 +48,7 @@ Pose touching(Random& random, const Pair& pair, double least, double most) {
 }
 
 // The least signed distance to the ground of samples of the body.
-double sampled(const Pair& pair, const Pose& pose, int count, Random& random) {
+double sampled(const CurvedPair& pair, const Pose& pose, int count, Random& random) {
   double best = 1;
   for (int k = 0; k < count; ++k) {
     const int triangle = tests::any_triangle(random, pair.body.base());
@@ -77,7 +77,7 @@ double sampled(const Pair& pair, const Pose& pose, int count, Random& random) {
 }  // namespace
 
 TEST_CASE("two curved reliefs: no sample is nearer than the first contact, within a tolerance") {
-  for (const Pair& pair : pairs()) {
+  for (const CurvedPair& pair : curved_pairs()) {
     Random random(91);
     const double texel = pair.ground.texel_size(), margin = 0.3 * texel;
     double worst = 0;
@@ -107,7 +107,7 @@ TEST_CASE("two curved reliefs: no sample is nearer than the first contact, withi
 }
 
 TEST_CASE("invalid queries of two curved reliefs get a status") {
-  const Pair pair = pairs()[2];
+  const CurvedPair pair = curved_pairs()[2];
   const auto status_at = [&](const Vec3& at, double margin) {
     return curved_on_curved(pair.body, {at, Quat::Identity()}, pair.ground, margin, 0.01).status;
   };

@@ -15,13 +15,13 @@ using namespace intaglio::contact;
 
 namespace {
 
-struct Pair {
+struct BodyOnFloor {
   std::string name;
   surface::ReliefMesh body;
   std::shared_ptr<const surface::Surface> ground;
 };
 
-std::vector<Pair> pairs() {
+std::vector<BodyOnFloor> bodies_on_floors() {
   using surface::Edge;
   const auto ball = [](int around, const std::shared_ptr<const surface::Surface>& s) {
     return tests::relief_on(surface::make_sphere(0.1, around, around / 2), s);
@@ -35,7 +35,7 @@ std::vector<Pair> pairs() {
 }
 
 // The body just above or in the ground: lowered until it touches, then moved by up to `play` metres.
-Pose near_ground(Random& random, const Pair& pair, double least, double most) {
+Pose near_ground(Random& random, const BodyOnFloor& pair, double least, double most) {
   Pose pose{Vec3(random.uniform(-0.3, 0.3), 0, random.uniform(-0.2, 0.2)), tests::any_turn(random)};
   double low = 0, high = 0.2;
   for (int k = 0; k < 20; ++k) {
@@ -47,7 +47,7 @@ Pose near_ground(Random& random, const Pair& pair, double least, double most) {
 }
 
 // The least signed distance to the ground of samples of the body, the best improved.
-double sampled(const Pair& pair, const Pose& pose, int count, Random& random) {
+double sampled(const BodyOnFloor& pair, const Pose& pose, int count, Random& random) {
   struct Sampled {
     double gap;
     int triangle;
@@ -92,7 +92,7 @@ double sampled(const Pair& pair, const Pose& pose, int count, Random& random) {
 
 TEST_CASE(
     "a relief ball on a relief floor: no sample is nearer than the first contact, by more than a hair") {
-  for (const Pair& pair : pairs()) {
+  for (const BodyOnFloor& pair : bodies_on_floors()) {
     Random random(81);
     const double texel = pair.ground->is_flat() ? pair.body.texel_size() : pair.ground->texel_u();
     double worst = 0, mean = 0;
@@ -124,7 +124,7 @@ TEST_CASE(
 }
 
 TEST_CASE("a relief ball and a floor moved together touch alike; invalid queries get a status") {
-  const Pair pair = pairs()[0];
+  const BodyOnFloor pair = bodies_on_floors()[0];
   Random random(82);
   const Pose by{Vec3(1, 2, -3), tests::any_turn(random)};
   const surface::Placement moved(by.position, by.orientation, pair.ground->placement().size_u(),
@@ -164,7 +164,7 @@ TEST_CASE("a relief ball and a floor moved together touch alike; invalid queries
 
 TEST_CASE(
     "a ground of finite thickness has the same contacts except those behind it, and none from its back") {
-  for (const Pair& pair : pairs()) {
+  for (const BodyOnFloor& pair : bodies_on_floors()) {
     Random random(83);
     const double texel = pair.ground->is_flat() ? pair.body.texel_size() : pair.ground->texel_u();
     const double thickness = 2 * texel, margin = 0.3 * texel;

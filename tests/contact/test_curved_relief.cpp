@@ -15,10 +15,6 @@ using namespace intaglio::contact;
 
 namespace {
 
-double first_distance(const ContactSet& set, double otherwise) {
-  return set.count > 0 ? set.points[0].distance : otherwise;
-}
-
 void check_sound(const ContactSet& set) {
   CHECK(set.count <= ContactSet::capacity);
   for (const ContactPoint& c : set) {
@@ -84,7 +80,7 @@ TEST_CASE("a body lifted off along its first contact's normal no longer overlaps
         ++touched;
         const double deep = -set.points[0].distance;
         pose.position += (deep + 1e-9) * set.points[0].normal;
-        const double left = -first_distance(curved_contacts(relief, shape, pose, 0), 0);
+        const double left = -tests::first_distance(curved_contacts(relief, shape, pose, 0), 0);
         // Another place may overlap instead, by less.
         lifted += left < 1e-6 ? 1 : 0;
         worst = std::max(worst, left / deep);
@@ -117,7 +113,7 @@ TEST_CASE("the depth of capsule, box and hull agrees with samples of the field")
       for (int k = 0; k < tests::poses(25, 1000); ++k) {
         const Pose pose{tests::near_relief(random, relief, 0.45 * radius, 1.1 * radius),
                         tests::any_turn(random)};
-        const double ours = first_distance(curved_contacts(relief, shape, pose, 0), 0);
+        const double ours = tests::first_distance(curved_contacts(relief, shape, pose, 0), 0);
         // No sample that faces its nearest face of the body is deeper in the body than the first contact.
         double deepest = 0;
         for (const Point& p : field) {

@@ -55,10 +55,6 @@ double brute(const PosedSurface& one, const PosedSurface& other, double least) {
   return least;
 }
 
-double deepest(const ContactSet& set, double otherwise) {
-  return set.count > 0 ? set.points[0].distance : otherwise;
-}
-
 }  // namespace
 
 TEST_CASE("two reliefs: no pair of points is nearer than the first contact") {
@@ -84,7 +80,7 @@ TEST_CASE("two reliefs: no pair of points is nearer than the first contact") {
       (relief_relief_contacts({*body, pose}, floor, 0).count > 0 ? low : high) = pose.position.y();
     }
     pose.position.y() = high + random.uniform(0, 0.006);
-    const double ours = deepest(relief_relief_contacts({*body, pose}, floor, margin), margin);
+    const double ours = tests::first_distance(relief_relief_contacts({*body, pose}, floor, margin), margin);
     const double theirs = brute({*body, pose}, floor, brute(floor, {*body, pose}, margin));
     apart += theirs < margin ? 1 : 0;
     // Contacts are points of both reliefs: never nearer than these are.
@@ -137,7 +133,7 @@ TEST_CASE(
         {*body, {by.to_world(pose.position), by.orientation * pose.orientation}}, {*ground, by}, 0.001);
     CHECK(allocations() == before);
     CHECK(a.count == b.count);
-    CHECK(deepest(a, 1) == doctest::Approx(deepest(b, 1)).epsilon(1e-9));
+    CHECK(tests::first_distance(a, 1) == doctest::Approx(tests::first_distance(b, 1)).epsilon(1e-9));
     for (const ContactPoint& c : a) CHECK(std::abs(c.normal.norm() - 1) < 1e-9);
   }
   const Pose nowhere{Vec3(std::nan(""), 0, 0), Quat::Identity()}, far{Vec3(1e7, 0, 0), Quat::Identity()};
