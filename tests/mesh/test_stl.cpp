@@ -10,7 +10,7 @@ using namespace intaglio::surface;
 
 namespace {
 
-std::vector<std::uint8_t> bytes_of(const std::string& text) {
+std::vector<std::uint8_t> file_of(const std::string& text) {
   return {text.begin(), text.end()};
 }
 
@@ -31,7 +31,7 @@ std::vector<std::uint8_t> binary(std::uint32_t count, float last) {
 }  // namespace
 
 TEST_CASE("STL: ASCII and binary give the same triangle") {
-  for (const auto& bytes : {bytes_of(ascii), binary(1, 2)}) {
+  for (const auto& bytes : {file_of(ascii), binary(1, 2)}) {
     const auto mesh = parse_stl(bytes, "a.stl");
     REQUIRE(mesh);
     REQUIRE(mesh->triangles.size() == 1);
@@ -51,10 +51,10 @@ TEST_CASE("malformed STL is one clear error") {
     return message;
   };
   CHECK(error({}).find("not an STL") != std::string::npos);
-  CHECK(error(bytes_of("nonsense")).find("not an STL") != std::string::npos);
-  CHECK(error(bytes_of("solid\nendsolid\n")).find("no triangles") != std::string::npos);
-  CHECK(error(bytes_of(ascii.substr(0, ascii.find("   vertex 0 +")))).find("cut off") != std::string::npos);
-  CHECK(error(bytes_of(ascii.substr(0, ascii.find("2e0")))).find(":6: a number of a vertex") !=
+  CHECK(error(file_of("nonsense")).find("not an STL") != std::string::npos);
+  CHECK(error(file_of("solid\nendsolid\n")).find("no triangles") != std::string::npos);
+  CHECK(error(file_of(ascii.substr(0, ascii.find("   vertex 0 +")))).find("cut off") != std::string::npos);
+  CHECK(error(file_of(ascii.substr(0, ascii.find("2e0")))).find(":6: a number of a vertex") !=
         std::string::npos);
   CHECK(error(binary(1, std::numeric_limits<float>::quiet_NaN())).find("not finite") != std::string::npos);
   error(binary(2, 2));
