@@ -7,30 +7,21 @@
 #include "sound/contact_step.h"
 #include "sound/impact.h"
 #include "sound/rubbing.h"
+#include "tests/sound/generators.h"
 #include "tests/sound/models.h"
 
 using namespace intaglio;
 using namespace intaglio::sound;
-
-namespace {
-
-double number(double low, double high) {
-  return low + (high - low) * double(*rc::gen::inRange(0, 1 << 20)) / (1 << 20);
-}
-
-Vec3 vector(double size) {
-  return {number(-size, size), number(-size, size), number(-size, size)};
-}
-
-}  // namespace
+using test::any_number;
+using test::any_vector;
 
 TEST_CASE("Hertz: harder, lighter, faster and blunter contacts are shorter; the clamps hold") {
-  const double tau = hertz_contact_duration(0.1, 0.02, 1e9, 1);
-  CHECK(tau == doctest::Approx(2.87 * std::pow(0.01 / (0.02 * 1e18), 0.2)));
-  CHECK(hertz_contact_duration(0.1, 0.02, 2e9, 1) < tau);
-  CHECK(hertz_contact_duration(0.05, 0.02, 1e9, 1) < tau);
-  CHECK(hertz_contact_duration(0.1, 0.02, 1e9, 2) < tau);
-  CHECK(hertz_contact_duration(0.1, 0.04, 1e9, 1) < tau);
+  const double duration = hertz_contact_duration(0.1, 0.02, 1e9, 1);
+  CHECK(duration == doctest::Approx(2.87 * std::pow(0.01 / (0.02 * 1e18), 0.2)));
+  CHECK(hertz_contact_duration(0.1, 0.02, 2e9, 1) < duration);
+  CHECK(hertz_contact_duration(0.05, 0.02, 1e9, 1) < duration);
+  CHECK(hertz_contact_duration(0.1, 0.02, 1e9, 2) < duration);
+  CHECK(hertz_contact_duration(0.1, 0.04, 1e9, 1) < duration);
   CHECK(hertz_contact_duration(1e-12, 1, 1e12, 100) == min_contact_duration);
   CHECK(hertz_contact_duration(1e6, 0.001, 1e3, 1e-9) == max_contact_duration);
   CHECK(hertz_contact_duration(0.1, 0.02, 1e9, 0) == max_contact_duration);
@@ -39,7 +30,7 @@ TEST_CASE("Hertz: harder, lighter, faster and blunter contacts are shorter; the 
 
 TEST_CASE("the samples of a pulse add up to its impulse, wherever it starts and however it is cut") {
   CHECK(rc::check([] {
-    const HalfSine pulse{number(0, 0.01), number(min_contact_duration, max_contact_duration)};
+    const HalfSine pulse{any_number(0, 0.01), any_number(min_contact_duration, max_contact_duration)};
     const double dt = 1.0 / 44'100;
     std::vector<float> samples(3000), pieces(3000);
     pulse.sample(0, dt, samples);
@@ -90,7 +81,7 @@ TEST_CASE("onsets scale with the impulses") {
   CHECK(rc::check([] {
     ImpulseSplitter one, three;
     for (int k = 0; k < 20; ++k) {
-      const Vec3 impulse = *rc::gen::inRange(0, 4) == 0 ? Vec3(Vec3::Zero()) : vector(1);
+      const Vec3 impulse = *rc::gen::inRange(0, 4) == 0 ? Vec3(Vec3::Zero()) : any_vector(1);
       RC_ASSERT((three.split(3 * impulse) - 3 * one.split(impulse)).norm() < 1e-9);
     }
   }));
@@ -122,8 +113,8 @@ TEST_CASE("micro noise falls off with the material's spectral slope above one ov
     // Mean power in an octave of wave numbers (cycles a period), by direct Fourier sums at some of them.
     const auto power = [&](int from, int to) {
       double sum = 0;
-      const int step = (to - from) / 16;
-      for (int k = from; k < to; k += step) {
+      const int stride = (to - from) / 16;
+      for (int k = from; k < to; k += stride) {
         double re = 0, im = 0;
         for (int n = 0; n < MicroNoise::table_size; ++n) {
           const double x = noise.sample(n * noise.spacing()),

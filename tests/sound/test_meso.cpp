@@ -6,22 +6,17 @@
 
 #include "intaglio/vec.h"
 #include "sound/rubbing.h"
+#include "tests/sound/generators.h"
 
 using namespace intaglio;
 using namespace intaglio::sound;
+using test::any_number;
+using test::any_vector;
 
 namespace {
 
-double number(double low, double high) {
-  return low + (high - low) * double(*rc::gen::inRange(0, 1 << 20)) / (1 << 20);
-}
-
-Vec3 vector(double size) {
-  return {number(-size, size), number(-size, size), number(-size, size)};
-}
-
 Vec3 upward_normal() {
-  return Vec3(number(-0.9, 0.9), number(-0.9, 0.9), 1).normalized();
+  return Vec3(any_number(-0.9, 0.9), any_number(-0.9, 0.9), 1).normalized();
 }
 
 surface::Surface surface_of(int size, const std::function<Vec3(int, int)>& normal) {
@@ -51,13 +46,13 @@ std::vector<MesoImpulse> walk(const surface::Surface& surface, const Vec2& a, co
 
 TEST_CASE("Eq. 1.4: p_n is zero on a flat map and grows linearly with speed and mass") {
   CHECK(rc::check([] {
-    const Vec3 n_g = vector(1).normalized();
+    const Vec3 n_g = any_vector(1).normalized();
     RC_PRE(n_g.allFinite());
     const Mat3 frame = rotation_onto(Vec3::UnitZ(), n_g).toRotationMatrix();
     const Vec3 n_s = frame * upward_normal();
-    const Vec3 v = vector(5);
+    const Vec3 v = any_vector(5);
     const Vec3 v_t = v - v.dot(n_g) * n_g;
-    const double mass = number(0.01, 10), factor = number(-3, 3);
+    const double mass = any_number(0.01, 10), factor = any_number(-3, 3);
     const Vec3 p = normal_momentum(mass, v_t, n_g, n_s);
     RC_ASSERT(normal_momentum(mass, v_t, n_g, n_g).norm() < 1e-12 * mass * (1 + v_t.norm()));
     RC_ASSERT(p.cross(n_g).norm() < 1e-12 * (1 + p.norm()));
@@ -77,8 +72,8 @@ TEST_CASE("a path over a flat map gives no impulse; over any map linear in speed
   const surface::Surface flat = surface_of(16, [](int, int) { return Vec3::UnitZ(); });
   const surface::Surface rough = bumps();
   CHECK(rc::check([&] {
-    const Vec2 a(number(-1, 2), number(-1, 2)), b = a + Vec2(number(-1, 1), number(-1, 1));
-    const Vec2 v(number(-1, 1), number(-1, 1));
+    const Vec2 a(any_number(-1, 2), any_number(-1, 2)), b = a + Vec2(any_number(-1, 1), any_number(-1, 1));
+    const Vec2 v(any_number(-1, 1), any_number(-1, 1));
     for (const MesoImpulse& hit : walk(flat, a, b, 1, v)) RC_ASSERT(hit.impulse == 0);
     const auto once = walk(rough, a, b, 1, v), twice = walk(rough, a, b, 2, v),
                fast = walk(rough, a, b, 1, 3 * v);
@@ -101,7 +96,7 @@ TEST_CASE(
     "a path visits every texel it crosses, in order, and its impulses add up to the change from end to end") {
   const surface::Surface rough = bumps();
   CHECK(rc::check([&] {
-    const Vec2 a(number(0, 1), number(0, 1)), b(number(0, 1), number(0, 1));
+    const Vec2 a(any_number(0, 1), any_number(0, 1)), b(any_number(0, 1), any_number(0, 1));
     const Vec2 v(0.5, 0.2);
     const auto hits = walk(rough, a, b, 1, v);
     const auto texel = [](double x) { return int(std::floor(64 * x)); };

@@ -12,11 +12,10 @@
 using namespace intaglio;
 using namespace intaglio::sound;
 using test::model_of;
+using test::rate;
 using test::tau;
 
 namespace {
-
-constexpr double rate = 44'100;
 
 // The bank's output for the drive `impulse` from sample 0 on, all gains 1.
 std::vector<float> response(ModalBank& bank, std::span<const float> impulse, std::size_t samples) {

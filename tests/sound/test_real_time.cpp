@@ -16,11 +16,10 @@
 
 using namespace intaglio;
 using namespace intaglio::sound;
+using test::rate;
 using test::tau;
 
 namespace {
-
-constexpr double rate = 44'100;
 
 // 100 modes, driven by two drives that start within the block, rung out to sleep, and driven again.
 std::vector<float> ring_cut(std::size_t cut) {
@@ -148,8 +147,8 @@ TEST_CASE("a stolen voice dies away smoothly, and the loudest stay") {
           std::max(most, std::abs(out[n + 1] + out[n - 1] - 2 * float(std::cos(tau * 500 / rate)) * out[n]));
     return most;
   };
-  const float tone = 0.1f, step = float(tau * 500 / rate);
+  const float tone = 0.1f, phase_step = float(tau * 500 / rate);
   CHECK(click(64 * 29, 64 * 60) <
-        0.3f * tone * step);  // cut off at once it would be about tone * step or more
+        0.3f * tone * phase_step);  // cut off at once it would be about tone * phase_step or more
   CHECK(*std::max_element(out.end() - 200, out.end()) == doctest::Approx(1).epsilon(0.2));
 }

@@ -6,16 +6,17 @@
 #include <complex>
 
 #include "sound/synthesizer.h"
+#include "tests/sound/samples.h"
 #include "tests/sound/scenes.h"
 
 using namespace intaglio;
 using namespace intaglio::sound;
+using test::all_zero;
 using test::contact;
+using test::rate;
 using test::tau;
 
 namespace {
-
-constexpr double rate = 44'100;
 
 // The sound of a floor of one mode that a silent ball strikes at t = 0.1 s, from the end of the blow on.
 std::vector<float> struck(double hertz, double damping, double seconds) {
@@ -41,10 +42,6 @@ std::complex<double> tone(std::span<const float> x, double hertz, double damping
     sum += window * double(x[n]) * std::exp(damping * t) * std::polar(1.0, -tau * hertz * t);
   }
   return sum / double(x.size());
-}
-
-bool all_zero(std::span<const float> x) {
-  return std::all_of(x.begin(), x.end(), [](float v) { return v == 0; });
 }
 
 }  // namespace

@@ -8,25 +8,18 @@
 #include "sound/modal_bank.h"
 #include "sound/modal_model.h"
 #include "sound/rubbing.h"
+#include "tests/sound/generators.h"
 #include "tests/sound/models.h"
+#include "tests/sound/samples.h"
 
 using namespace intaglio;
 using namespace intaglio::sound;
+using test::any_number;
+using test::rate;
+using test::rms;
 using test::tau;
 
 namespace {
-
-constexpr double rate = 44'100;
-
-double number(double low, double high) {
-  return low + (high - low) * double(*rc::gen::inRange(0, 1 << 20)) / (1 << 20);
-}
-
-double rms(std::span<const float> x) {
-  double sum = 0;
-  for (const float v : x) sum += double(v) * v;
-  return std::sqrt(sum / double(x.size()));
-}
 
 // A second of rubbing in steady motion, in steps of 1/480 s.
 std::vector<float> steady(Rubbing rubbing, ContactMotion motion, double force = 2) {
@@ -204,7 +197,7 @@ TEST_CASE("curvature: a ridge, a groove, a plane; radii combine and are bounded"
 TEST_CASE("Hertz: the patch is that of the closed form") {
   // delta = a^2 / R and F = 4/3 E* sqrt(R) delta^(3/2).
   CHECK(rc::check([] {
-    const double force = number(1e-3, 1e3), radius = number(1e-3, 1), modulus = number(1e8, 1e11);
+    const double force = any_number(1e-3, 1e3), radius = any_number(1e-3, 1), modulus = any_number(1e8, 1e11);
     const double a = hertz_patch_radius(force, radius, modulus), delta = a * a / radius;
     RC_ASSERT(std::abs(4.0 / 3 * modulus * std::sqrt(radius) * std::pow(delta, 1.5) / force - 1) < 1e-9);
   }));

@@ -9,12 +9,15 @@
 #include "sound/impact.h"
 #include "sound/synthesizer.h"
 #include "tests/count_allocations.h"
+#include "tests/sound/samples.h"
 #include "tests/sound/scenes.h"
 
 using namespace intaglio;
 using namespace intaglio::sound;
+using test::all_zero;
 using test::bodies;
 using test::contact;
+using test::rms;
 using test::step;
 using test::tumble;
 
@@ -40,16 +43,6 @@ std::uint64_t hash_of(const std::vector<float>& samples) {
   Hash hash;
   hash.add(std::span<const float>(samples));
   return hash.value();
-}
-
-double rms(std::span<const float> samples) {
-  double sum = 0;
-  for (const float x : samples) sum += double(x) * x;
-  return std::sqrt(sum / double(samples.size()));
-}
-
-bool all_zero(std::span<const float> samples) {
-  return std::all_of(samples.begin(), samples.end(), [](float x) { return x == 0; });
 }
 
 constexpr std::array<MesoSource, 2> both_modes{MesoSource::engine_impulses, MesoSource::normal_map};
