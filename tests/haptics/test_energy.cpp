@@ -14,7 +14,7 @@ using namespace intaglio::haptics;
 
 namespace {
 
-constexpr double stiffness = 800, speed = 0.05;  // N/m, m/s
+constexpr double spring_stiffness = 800, path_speed = 0.05;  // N/m, m/s
 
 struct Table {
   std::string method;
@@ -32,7 +32,7 @@ struct Table {
 TEST_CASE("on 400 closed loops contact gives the hand no energy; the paper's planes do") {
   const auto s = tests::brick_surface(512, 0.1);
   const TexturedSlab slab(s, {Representation::relief, 0.001, 0.02});
-  const auto k = ContactSprings::for_felt_stiffness(stiffness);
+  const auto k = ContactSprings::for_felt_stiffness(spring_stiffness);
   Random random(7);
   Table conservative{"potential"}, lossy{"potential, friction 0.4, damping 1"},
       plane{"plane at 60 Hz, Eq. 1.3"}, literal{"normals on the flat base, every tick"};
@@ -43,11 +43,11 @@ TEST_CASE("on 400 closed loops contact gives the hand no energy; the paper's pla
     // times the step.
     const auto fine = tests::refined(path, 10);
     Proxy proxy, rubbing;
-    conservative.add(
-        tests::work_round(
-            fine, speed, [&](const Vec3& x, const Vec3&, double) { return proxy.move(slab, x, k, 0).force; }),
-        loops);
-    lossy.add(tests::work_round(path, speed,
+    conservative.add(tests::work_round(
+                         fine, path_speed,
+                         [&](const Vec3& x, const Vec3&, double) { return proxy.move(slab, x, k, 0).force; }),
+                     loops);
+    lossy.add(tests::work_round(path, path_speed,
                                 [&](const Vec3& x, const Vec3& v, double) {
                                   const auto c = rubbing.move(slab, x, k, 0.4);
                                   const double push = c.force.dot(c.normal);
@@ -57,11 +57,11 @@ TEST_CASE("on 400 closed loops contact gives the hand no energy; the paper's pla
     for (Table* row : {&plane, &literal}) {
       const bool is_plane = row == &plane;
       HeldPlane held(is_plane ? 60 : 1e9);
-      row->add(tests::work_round(path, speed,
+      row->add(tests::work_round(path, path_speed,
                                  [&](const Vec3& x, const Vec3& v, double dt) {
                                    return held
                                        .move(*s, is_plane ? Representation::relief : Representation::normal,
-                                             x, v, {stiffness, 0}, dt)
+                                             x, v, {spring_stiffness, 0}, dt)
                                        .force;
                                  }),
                loops);
@@ -91,10 +91,10 @@ TEST_CASE("the whole servo loop at 1 kHz with 23 um encoders gives the hand no e
       Random random(7);
       Table table{"friction " + std::to_string(friction) + (controlled ? ", controller" : ", no controller")};
       for (int n = 0; n < loops; ++n) {
-        const auto path = tests::closed_loop(*s, random, speed * 1e-3);
+        const auto path = tests::closed_loop(*s, random, path_speed * 1e-3);
         Led device;
         ServoOptions options;
-        options.spring = {stiffness, friction > 0 ? 1.0 : 0.0};
+        options.spring = {spring_stiffness, friction > 0 ? 1.0 : 0.0};
         options.friction = friction;
         options.passivity = controlled;
         options.pen.tip_radius = 0.0005;

@@ -18,8 +18,8 @@ Vec3 random_vector(Random& random, double size) {
   return size * Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
 }
 
-std::shared_ptr<const surface::Surface> flat(const Vec3& centre = Vec3::Zero(),
-                                             const Quat& turn = Quat::Identity()) {
+std::shared_ptr<const surface::Surface> flat_square(const Vec3& centre = Vec3::Zero(),
+                                                    const Quat& turn = Quat::Identity()) {
   return tests::made_surface(
       8, [](Vec2) { return 0.0; }, [](Vec2) { return Vec3::UnitZ(); }, 0.01,
       surface::Placement(centre, turn, 2, 2));
@@ -31,7 +31,7 @@ TEST_CASE("the torque of a shaft pressed into flat ground matches the closed for
   // A line at depth d0 + e s (with the radius), s along the shaft, is pushed by k (d0 + e s) per metre along
   // the normal. From the taper's end a to the length l, with the arm s - grip:
   //     F = k (d0 (l - a) + e (l^2 - a^2) / 2),     M = k integral of (s - grip) (d0 + e s) ds.
-  const auto s = flat();
+  const auto s = flat_square();
   const TexturedSlab slab(s, {});
   Random random(5);
   PenShape shape;
@@ -97,7 +97,7 @@ TEST_CASE("the wrench of tip, shaft and ball is the sum of r x f, wherever the w
     const Vec3 tip = random_vector(random, 0.05) - Vec3(0, 0.051, 0);
     for (const bool moved : {false, true}) {
       const auto to = [&](const Vec3& p) -> Vec3 { return moved ? Vec3(turn * p + shift) : p; };
-      const auto s = moved ? flat(to(Vec3::Zero()), turn) : flat();
+      const auto s = moved ? flat_square(to(Vec3::Zero()), turn) : flat_square();
       const TexturedSlab slab(s, {});
       PenShape shape;
       shape.shaft_stiffness = 5000;
@@ -144,7 +144,7 @@ TEST_CASE("pen and ball push each other with opposite forces") {
   options.pen.direction = Vec3::UnitY();
   for (const double scale : {1.0, 5.0}) {
     options.workspace.scale = scale;
-    PenServo servo(flat(), options);
+    PenServo servo(flat_square(), options);
     SceneSnapshot scene;
     scene.ball_count = 2;
     scene.balls[1].radius = 0.03;

@@ -14,7 +14,7 @@ using namespace intaglio::haptics;
 
 namespace {
 
-std::shared_ptr<const surface::Surface> flat() {
+std::shared_ptr<const surface::Surface> flat_floor() {
   return tests::made_surface(
       8, [](Vec2) { return 0.0; }, [](Vec2) { return Vec3::UnitZ(); });
 }
@@ -63,7 +63,7 @@ double beat(ServoLoop& loop, double seconds) {
 
 TEST_CASE("a scene that stalls releases the hand after 20 ms, within 50 ms, until rearmed") {
   Held device;
-  ServoLoop loop(PenServo(flat(), {}), device);
+  ServoLoop loop(PenServo(flat_floor(), {}), device);
   device.loop = &loop;
   loop.publish({});
   loop.start();
@@ -100,7 +100,7 @@ TEST_CASE("the loop reports every tick; a null device feels nothing") {
   ServoOptions options;
   options.rate = 4000;
   options.workspace.origin = {0, 0.01, 0};
-  ServoLoop loop(PenServo(flat(), options), device);
+  ServoLoop loop(PenServo(flat_floor(), options), device);
   CHECK(loop.priority() == "servo thread not started");
   loop.start();
   ServoReport report;

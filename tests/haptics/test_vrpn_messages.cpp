@@ -38,7 +38,7 @@ Bytes payload_of(const T& message) {
   return out;
 }
 
-constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+constexpr double quiet_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr float not_a_float = std::numeric_limits<float>::quiet_NaN();
 
@@ -150,7 +150,7 @@ TEST_CASE("a length is valid from 24 to 64,000 bytes") {
 }
 
 TEST_CASE("numbers that are not finite, and indices out of range, are rejected") {
-  for (const double bad : {not_a_number, infinite, -infinite}) {
+  for (const double bad : {quiet_nan, infinite, -infinite}) {
     CHECK_FALSE(decode_force(payload_of(ForceReport{{0, bad, 0}})));
     CHECK_FALSE(decode_pos_quat(payload_of(PosQuat{0, {bad, 0, 0}, {}})));
     CHECK_FALSE(decode_pos_quat(payload_of(PosQuat{0, {0, 0, 0}, {0, 0, 0, bad}})));
