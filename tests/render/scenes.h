@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -15,6 +16,11 @@
 #include "tests/skipped.h"
 
 namespace intaglio::render::test {
+
+// A position or normal of a vertex.
+inline Vec3 vec(const std::array<float, 3>& a) {
+  return {a[0], a[1], a[2]};
+}
 
 // A surface whose depth fraction is a function of uv, with the normals that follow from it, lying flat about
 // the origin.

@@ -30,7 +30,7 @@ std::unique_ptr<Renderer> with(const surface::Surface& surface, Detail detail, i
   return make_renderer(surface, options);
 }
 
-double difference(const Image8& a, const Image8& b) {
+double rms_difference(const Image8& a, const Image8& b) {
   double sum = 0;
   for (std::size_t k = 0; k < a.data.size(); ++k) sum += std::pow(double(a.data[k]) - b.data[k], 2);
   return std::sqrt(sum / double(a.data.size()));
@@ -73,7 +73,8 @@ TEST_CASE("filtered far relief is closer to the mean of many samples than single
   const auto mean = with(surface, Detail::by_footprint);
   const auto many = with(surface, Detail::every_texel, 4);
   const Image8 seen = many->draw(scene);
-  const double of_fine = difference(fine->draw(scene), seen), of_mean = difference(mean->draw(scene), seen);
+  const double of_fine = rms_difference(fine->draw(scene), seen),
+               of_mean = rms_difference(mean->draw(scene), seen);
   truth->draw(scene);
   const auto depth = mean_depth(truth->depth(), zoom);
   const double fine_depth = rms(fine->depth(), depth), mean_depth = rms(mean->depth(), depth);

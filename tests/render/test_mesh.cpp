@@ -6,14 +6,6 @@
 
 namespace intaglio::render::test {
 
-namespace {
-
-Vec3 vec(const std::array<float, 3>& a) {
-  return Vec3(a[0], a[1], a[2]);
-}
-
-}  // namespace
-
 TEST_CASE("a slab's mesh is closed and has the volume that the relief leaves of the slab") {
   const double deep = 0.1, slab = 0.3;
   const auto surface = make_surface(32, 1.0, deep, [](double u, double v) { return 0.5 * u + 0.3 * v; });

@@ -12,10 +12,6 @@ namespace intaglio::render::test {
 
 namespace {
 
-Vec3 vec(const std::array<float, 3>& a) {
-  return {a[0], a[1], a[2]};
-}
-
 // Every triangle faces the way its normals point; returns the enclosed volume.
 double check_outward(const Mesh& mesh) {
   double volume = 0;

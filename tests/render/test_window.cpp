@@ -19,7 +19,7 @@ surface::Surface waves(const Vec3& centre = Vec3::Zero()) {
                           surface::Edge::clamp);
 }
 
-double difference(const Image8& a, const Image8& b) {
+double mean_difference(const Image8& a, const Image8& b) {
   REQUIRE(a.data.size() == b.data.size());
   double sum = 0;
   for (std::size_t k = 0; k < a.data.size(); ++k) sum += std::abs(int(a.data[k]) - int(b.data[k]));
@@ -90,10 +90,10 @@ TEST_CASE("several surfaces are each drawn in place, in any order after the firs
   const SurfacePart parts[] = {{&a}, {&b}, {&c}};
   REQUIRE((*renderer)->show(parts));
   const Image8 three = (*renderer)->draw(scene);
-  CHECK(difference(one, three) > 1);
+  CHECK(mean_difference(one, three) > 1);
   const SurfacePart turned[] = {{&a}, {&c}, {&b}};
   REQUIRE((*renderer)->show(turned));
-  CHECK(difference(three, (*renderer)->draw(scene)) == 0);
+  CHECK(mean_difference(three, (*renderer)->draw(scene)) == 0);
 }
 
 TEST_CASE("a solid ball looks like a ball and casts its shadow") {
@@ -118,7 +118,7 @@ TEST_CASE("a solid ball looks like a ball and casts its shadow") {
   solid.colour = ball.colour;
   solid.shadow_radius = 0.1;
   scene.solids.push_back(solid);
-  CHECK(difference(expected, (*renderer)->draw(scene)) < 0.6);  // its gloss is another
+  CHECK(mean_difference(expected, (*renderer)->draw(scene)) < 0.6);  // its gloss is another
   const std::vector<float> again = (*renderer)->depth();
   double worst = 0;
   for (std::size_t k = 0; k < depth.size(); ++k)
