@@ -9,18 +9,15 @@
 #include "scene/scene_reader.h"
 #include "session/live_session.h"
 #include "sound/audio/devices.h"
+#include "tests/session/sessions.h"
 
 using namespace intaglio;
 using namespace intaglio::scene;
 using namespace intaglio::session;
+using tests::parsed;
+using tests::wait_for;
 
 namespace {
-
-Scene parsed(const std::string& text) {
-  auto scene = parse_scene(text, "s.toml");
-  REQUIRE_MESSAGE(scene, (scene ? "" : scene.error().message()));
-  return *scene;
-}
 
 std::unique_ptr<LiveSession> live(const Scene& scene) {
   const auto surface = make_surface(scene);
@@ -30,23 +27,13 @@ std::unique_ptr<LiveSession> live(const Scene& scene) {
   return std::move(*session);
 }
 
-// Waits, for at most ten seconds, until the state is as wanted.
-template <class Wanted>
-bool wait_for(LiveSession& session, Wanted&& wanted) {
-  for (int k = 0; k < 2000; ++k) {
-    if (wanted(session.state())) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  return false;
-}
-
-const std::string drop =
+const std::string dropped_ball =
     "[surface]\nrepresentation = \"flat\"\n[[ball]]\nradius = 0.05\nposition = [0.1, 0.4, 0.0]\n";
 
 }  // namespace
 
 TEST_CASE("a live ball falls and rests; paused it stays, steps one by one, and starts again when reset") {
-  const auto session = live(parsed(drop));
+  const auto session = live(parsed(dropped_ball));
   session->start(nullptr, nullptr);
   CHECK(wait_for(*session, [](const LiveState& s) { return s.time > 1.5 && s.mark_count > 0; }));
   CHECK(session->state().pose[0].position.y() == doctest::Approx(0.05).epsilon(0.05));
@@ -67,7 +54,7 @@ TEST_CASE("a live ball falls and rests; paused it stays, steps one by one, and s
 }
 
 TEST_CASE("a dragged ball hangs where it is pulled to, and a session that follows has it there") {
-  const Scene scene = parsed(drop);
+  const Scene scene = parsed(dropped_ball);
   const auto session = live(scene);
   session->start(nullptr, nullptr);
   Controls controls;
@@ -90,7 +77,7 @@ TEST_CASE("a dragged ball hangs where it is pulled to, and a session that follow
 }
 
 TEST_CASE("a session that follows does not repeat the resets and single steps of the one before") {
-  const Scene scene = parsed(drop);
+  const Scene scene = parsed(dropped_ball);
   const auto session = live(scene);
   session->start(nullptr, nullptr);
   CHECK(wait_for(*session, [](const LiveState& s) { return s.pose[0].position.y() < 0.3; }));
@@ -132,7 +119,7 @@ TEST_CASE("the mouse's pen comes down, touches, pushes back, and lets go") {
 }
 
 TEST_CASE("sound starts when its models are ready, and an impact is heard") {
-  const Scene scene = parsed(drop + "[sound]\nmodes = 4\n");
+  const Scene scene = parsed(dropped_ball + "[sound]\nmodes = 4\n");
   VoiceBaker baker;
   AudioTap tap;
   sound::NullDevice device;

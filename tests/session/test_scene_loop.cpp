@@ -1,28 +1,23 @@
 // The one loop of offline and live sessions, and the pen's link to it.
 #include <doctest/doctest.h>
 
-#include <chrono>
 #include <cmath>
 #include <map>
-#include <thread>
 
 #include "intaglio/representation.h"
 #include "intaglio/vec.h"
 #include "session/live_session.h"
 #include "session/scene_loop.h"
 #include "session/simulation.h"
+#include "tests/session/sessions.h"
 
 using namespace intaglio;
 using namespace intaglio::scene;
 using namespace intaglio::session;
+using tests::parsed;
+using tests::wait_for;
 
 namespace {
-
-Scene parsed(const std::string& text) {
-  auto scene = parse_scene(text, "s.toml");
-  REQUIRE_MESSAGE(scene, (scene ? "" : scene.error().message()));
-  return *scene;
-}
 
 SceneSurface surface_of(const Scene& scene) {
   auto surface = make_surface(scene);
@@ -70,16 +65,6 @@ Recording simulated(const Scene& scene, const SceneSurface& surface) {
   REQUIRE_MESSAGE(simulation, (simulation ? "" : simulation.error().message()));
   (*simulation)->finish();
   return std::move((*simulation)->recording());
-}
-
-// Waits, for at most ten seconds, until the state is as wanted.
-template <class Wanted>
-bool wait_for(LiveSession& session, Wanted&& wanted) {
-  for (int k = 0; k < 2000; ++k) {
-    if (wanted(session.state())) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  }
-  return false;
 }
 
 // Paused from the start, so that it takes exactly as many steps as are asked for.
