@@ -178,7 +178,7 @@ void print_summary(const nlohmann::json& result, const BakeArguments& options) {
       result["surface_vertices"].get<int>(), result["dense_method_gb"].get<double>());
 }
 
-int run(const BakeArguments& options, const Common& common) {
+int run_bake(const BakeArguments& options, const Common& common) {
   const Stopwatch all;
   const auto material = load_material(options.material);
   if (!material) return report(material.error());
@@ -308,7 +308,7 @@ void add_bake(CLI::App& app, Common& common) {
       throw CLI::RequiredError("MESH, --all or --scene");
     if (options->material.empty() && options->scene.empty()) throw CLI::RequiredError("--material");
     common.exit_code = !options->scene.empty() ? bake_scene(*options, common)
-                       : options->all.empty()  ? run(*options, common)
+                       : options->all.empty()  ? run_bake(*options, common)
                                                : bake_all(*options, common);
   });
 }

@@ -48,12 +48,12 @@ int report_link(const LinkError& failure) {
   return exit_code(failure.fault);
 }
 
-struct ListOptions {
+struct ListArguments {
   int port = default_port;
   bool json = false;
 };
 
-struct ServeOptions {
+struct ServeArguments {
   std::string bind = "127.0.0.1";
   int port = default_port;
   double seconds = 0, rate = 1000, hold = 0.040;
@@ -74,7 +74,7 @@ std::vector<std::string> local_device_names(int port) {
   return names;
 }
 
-int run_list(const ListOptions& options) {
+int run_list(const ListArguments& options) {
   const std::vector<std::string> names = local_device_names(options.port);
   if (options.json) {
     std::string list;
@@ -97,7 +97,7 @@ int run_list(const ListOptions& options) {
   return 0;
 }
 
-int run_serve(const ServeOptions& options, const Common& common) {
+int run_serve(const ServeArguments& options, const Common& common) {
   catch_interrupts();
   const auto say = [&](const std::string& line) {
     if (common.quiet) return;
@@ -135,7 +135,7 @@ int run_serve(const ServeOptions& options, const Common& common) {
   return 0;
 }
 
-struct MonitorOptions {
+struct MonitorArguments {
   std::string address;
   bool tcp = false, json = false;
   double seconds = 0;  // 0: until interrupted
@@ -323,7 +323,7 @@ LinkFault check_answers(const Client& client, const Address& address, bool& warn
   return unanswered > give_up_after ? LinkFault::timed_out : client.fault();
 }
 
-int run_monitor(const MonitorOptions& options, const Common& common) {
+int run_monitor(const MonitorArguments& options, const Common& common) {
   auto address = parse_address(options.address);
   if (!address) {
     report(address.error());
@@ -357,7 +357,7 @@ constexpr const char* exit_codes =
 
 void add_list(CLI::App& devices, Common& common) {
   CLI::App* verb = devices.add_subcommand("list", "List device kinds and the local VRPN server's devices");
-  auto options = std::make_shared<ListOptions>();
+  auto options = std::make_shared<ListArguments>();
   verb->add_option("--port", options->port, "Port of the VRPN server on this machine")
       ->check(CLI::Range(1, 65535))
       ->capture_default_str();
@@ -368,7 +368,7 @@ void add_list(CLI::App& devices, Common& common) {
 void add_monitor(CLI::App& devices, Common& common) {
   CLI::App* verb =
       devices.add_subcommand("monitor", "Print poses, buttons and forces of a VRPN device; sends nothing");
-  auto options = std::make_shared<MonitorOptions>();
+  auto options = std::make_shared<MonitorArguments>();
   verb->add_option("NAME@HOST[:PORT]", options->address,
                    "The device, for example Phantom0@localhost (port 3883)")
       ->required();
@@ -390,7 +390,7 @@ void add_monitor(CLI::App& devices, Common& common) {
 void add_serve(CLI::App& devices, Common& common) {
   CLI::App* verb = devices.add_subcommand(
       "serve", "Serve a simulated PHANToM as Phantom0, for VRPN programs without a device");
-  auto options = std::make_shared<ServeOptions>();
+  auto options = std::make_shared<ServeArguments>();
   verb->add_option("--port", options->port, "TCP and UDP port; 0: any free one, which is printed")
       ->check(CLI::Validator(
           [](std::string& text) {

@@ -13,14 +13,14 @@ namespace intaglio::app {
 
 namespace {
 
-struct Options {
+struct InspectArguments {
   std::string path, output, html, green, polarity;
   bool json = false, raw = false, clamp = false;
   double depth = -1;
   int size = surface::ImportOptions().generated_size;
 };
 
-surface::ImportOptions import_options(const Options& options) {
+surface::ImportOptions import_options(const InspectArguments& options) {
   surface::ImportOptions out;
   if (!options.green.empty()) out.green = parse_green(options.green);
   if (!options.polarity.empty()) out.polarity = parse_polarity(options.polarity);
@@ -31,7 +31,7 @@ surface::ImportOptions import_options(const Options& options) {
   return out;
 }
 
-void add_import_options(CLI::App& verb, Options& options) {
+void add_import_options(CLI::App& verb, InspectArguments& options) {
   verb.add_option("TEXTURE", options.path,
                   "An image (normal, height or RGBA; PNG, JPEG, TGA, EXR), a folder of them, a built-in name "
                   "(pebbles; docs/materials.md) or a recipe (.toml)")
@@ -56,7 +56,7 @@ void print_summary(const surface::Inspection& i) {
   fmt::print("  recommended representation: {} ({})\n", i.representation, i.reason);
 }
 
-int run_inspect(const Options& options, const Common& common) {
+int run_inspect(const InspectArguments& options, const Common& common) {
   if (!options.html.empty()) {
     if (auto named = check_extension(options.html, ".html", "a page"); !named) return report(named.error());
     if (auto writable = check_writable(options.html); !writable) return report(writable.error());
@@ -77,7 +77,7 @@ int run_inspect(const Options& options, const Common& common) {
   return 0;
 }
 
-int run_import(const Options& options, const Common& common) {
+int run_import(const InspectArguments& options, const Common& common) {
   const auto imported = surface::import_texture(options.path, import_options(options));
   if (!imported) return report(imported.error());
   if (auto written = surface::write_texture_files(*imported, options.output); !written)
@@ -95,7 +95,7 @@ int run_import(const Options& options, const Common& common) {
 void add_inspect(CLI::App& app, Common& common) {
   CLI::App* verb =
       app.add_subcommand("inspect", "Report a texture's conventions, depth, slopes and best representation");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<InspectArguments>();
   add_import_options(*verb, *options);
   verb->add_flag("--json", options->json, "Print everything as one JSON object");
   verb->add_option("--html", options->html, "Also write a page with pictures");
@@ -106,7 +106,7 @@ void add_inspect(CLI::App& app, Common& common) {
 void add_import(CLI::App& app, Common& common) {
   CLI::App* verb = app.add_subcommand(
       "import", "Convert images to one consistent surface: 16-bit normals and depth, +Y, 0 = top");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<InspectArguments>();
   add_import_options(*verb, *options);
   verb->add_option("-o,--output", options->output, "Folder for relief.png and color.png")->required();
   verb->footer(

@@ -12,7 +12,7 @@ namespace intaglio::app {
 
 namespace {
 
-struct Options {
+struct RenderArguments {
   std::string scene;
   std::string output;
   std::string texture;
@@ -23,7 +23,7 @@ struct Options {
 };
 
 // Options override the scene file.
-void override_scene(const Options& options, scene::Scene& scene) {
+void override_scene(const RenderArguments& options, scene::Scene& scene) {
   if (!options.texture.empty()) scene::put_texture(scene.surface, options.texture);
   if (options.representation == "flat") scene.surface.representation = Representation::flat;
   if (options.representation == "normal") scene.surface.representation = Representation::normal;
@@ -47,7 +47,7 @@ void print_summary(const session::Recording& recording, const std::string& outpu
              recording.event_hash, recording.audio_hash);
 }
 
-int run(const Options& options, const Common& common) {
+int run_render(const RenderArguments& options, const Common& common) {
   auto scene = scene::read_scene(options.scene);
   if (!scene) return report(scene.error());
   override_scene(options, *scene);
@@ -70,7 +70,7 @@ int run(const Options& options, const Common& common) {
 void add_render(CLI::App& app, Common& common) {
   CLI::App* verb =
       app.add_subcommand("render", "Render a scene to video with sound (offline, deterministic)");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<RenderArguments>();
   verb->add_option("SCENE", options->scene, "Scene file (docs/scene.md)")->required();
   verb->add_option("-o,--output", options->output,
                    "The video, .mp4; beside it go .html (report), .wav, .events.csv, .servo.csv")
@@ -95,7 +95,7 @@ void add_render(CLI::App& app, Common& common) {
   verb->footer(
       "Example:\n  intaglio render scenes/brick.toml -o out/demo/brick.mp4\n  intaglio render "
       "scenes/brick.toml --surface my_wall/ --polarity height -o out/wall.mp4");
-  verb->callback([options, &common] { common.exit_code = run(*options, common); });
+  verb->callback([options, &common] { common.exit_code = run_render(*options, common); });
 }
 
 }  // namespace intaglio::app

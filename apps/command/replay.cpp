@@ -11,11 +11,11 @@ namespace intaglio::app {
 
 namespace {
 
-struct Options {
+struct ReplayArguments {
   std::string log, scene, page;
 };
 
-int run(const Options& options, const Common& common) {
+int run_replay(const ReplayArguments& options, const Common& common) {
   if (!options.page.empty()) {
     if (auto named = check_extension(options.page, ".html", "a page"); !named) return report(named.error());
     if (auto writable = check_writable(options.page); !writable) return report(writable.error());
@@ -43,14 +43,14 @@ int run(const Options& options, const Common& common) {
 
 void add_replay(CLI::App& app, Common& common) {
   CLI::App* verb = app.add_subcommand("replay", "Plot a haptic log; replay it on a scene");
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReplayArguments>();
   verb->add_option("LOG", options->log, "A haptic log (.servo.csv, docs/haptics.md)")->required();
   verb->add_option("--scene", options->scene,
                    "Replay the motion on this scene's surface and compare the forces");
   verb->add_option("-o,--output", options->page, "A page of height and force over time, .html");
   verb->footer(
       "Example:\n  intaglio replay out/demo/brick.servo.csv --scene scenes/brick.toml -o out/demo/felt.html");
-  verb->callback([options, &common] { common.exit_code = run(*options, common); });
+  verb->callback([options, &common] { common.exit_code = run_replay(*options, common); });
 }
 
 }  // namespace intaglio::app

@@ -31,7 +31,7 @@ constexpr double max_duration = 30;  // s
 constexpr double lead_in = 0.05;     // s of silence before a strike
 constexpr int sample_rate = 44'100;  // of Synthesizer and write_wav, by default
 
-struct StrikeOptions {
+struct StrikeArguments {
   std::string model, mallet = "wood", output, device = "default";
   std::vector<double> at, direction;
   std::optional<int> vertex;
@@ -45,7 +45,7 @@ double sound_level_db(double pascal) {
 }
 
 // The strike from the options.
-Result<sound::Strike> read_strike(const StrikeOptions& options, const sound::ModalModel& model) {
+Result<sound::Strike> read_strike(const StrikeArguments& options, const sound::ModalModel& model) {
   const auto vec = [](const std::vector<double>& x) { return Vec3(x[0], x[1], x[2]); };
   sound::Strike strike;
   const auto material = load_material(options.mallet);
@@ -97,7 +97,7 @@ std::vector<float> render_strike(const std::shared_ptr<const sound::ModalModel>&
 }
 
 int play_live(const std::shared_ptr<const sound::ModalModel>& model, const sound::Strike& strike,
-              const StrikeOptions& options, double seconds, const Common& common) {
+              const StrikeArguments& options, double seconds, const Common& common) {
   auto opened = sound::open_audio_device({options.device});
   if (!opened) return report(opened.error());
   sound::AudioDevice& device = *opened->device;
@@ -124,7 +124,7 @@ int play_live(const std::shared_ptr<const sound::ModalModel>& model, const sound
   return 0;
 }
 
-int run_strike(const StrikeOptions& options, const Common& common) {
+int run_strike(const StrikeArguments& options, const Common& common) {
   if (options.output.empty() && !options.live)
     return report({"intaglio sound strike", "no output given", "give -o FILE.wav, or --live"});
   if (!options.output.empty()) {
@@ -196,7 +196,7 @@ int list_devices() {
 void add_strike(CLI::App& sound, Common& common) {
   CLI::App* verb =
       sound.add_subcommand("strike", "Strike a baked model once (free boundary) and play or save it");
-  auto options = std::make_shared<StrikeOptions>();
+  auto options = std::make_shared<StrikeArguments>();
   verb->add_option("MODEL", options->model, "A model that `intaglio bake` wrote")->required();
   verb->add_option("-o,--output", options->output,
                    "A WAV file: one channel, 24 bits, full scale 20 Pa at 1 m");
@@ -247,11 +247,11 @@ void add_strike(CLI::App& sound, Common& common) {
 
 void add_touch(CLI::App& sound, Common& common, report::TouchKind touch, const char* name, const char* help) {
   CLI::App* verb = sound.add_subcommand(name, help);
-  struct Options {
+  struct TouchArguments {
     std::string texture, output;
     double gain_db = 0;
   };
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<TouchArguments>();
   verb->add_option("TEXTURE", options->texture,
                    "A built-in name, a recipe (.toml), an image or a folder of images")
       ->required();

@@ -9,7 +9,7 @@ namespace intaglio::surface {
 namespace {
 
 // In weights: neighbours overlap by so much, so that no point falls between them.
-constexpr double edge_tolerance = 1e-9;
+constexpr double base_tolerance = 1e-9;
 
 // A triangle that is moved along its normals to where they meet shrinks to a point, where weights are noise.
 // It counts as folded when its area is below this fraction of that on the base.
@@ -133,7 +133,7 @@ std::optional<Projection> project(const BasePatch& patch, const Vec3& point, dou
   for (std::size_t k = 0; k < std::size_t(count); ++k) {
     const Vec3 normal = moved.at(roots[k]);
     const Vec3 weights = weights_in(patch, roots[k], normal, point);
-    if (!(weights.minCoeff() >= -edge_tolerance)) continue;
+    if (!(weights.minCoeff() >= -base_tolerance)) continue;
     const Vec3 direction = weights[0] * patch.n[0] + weights[1] * patch.n[1] + weights[2] * patch.n[2];
     const double on_base = moved.a.dot(direction);
     if (!(on_base > 0 && normal.dot(direction) > min_jacobian_ratio * on_base))
@@ -151,9 +151,9 @@ PatchBounds::PatchBounds(const BasePatch& patch)
       axis(patch.normal(Vec3::Constant(1.0 / 3))),
       sine(0) {
   for (std::size_t k = 0; k < 3; ++k) {
-    radius = std::max(radius, (patch.p[k] - middle).norm() * (1 + 10 * edge_tolerance));
+    radius = std::max(radius, (patch.p[k] - middle).norm() * (1 + 10 * base_tolerance));
     sine = patch.n[k].dot(axis) > 0
-               ? std::max(sine, patch.n[k].cross(axis).norm() * (1 + 10 * edge_tolerance))
+               ? std::max(sine, patch.n[k].cross(axis).norm() * (1 + 10 * base_tolerance))
                : 1;
   }
 }

@@ -121,13 +121,13 @@ void TriangleTree::search_with(const Vec3& point, double radius, double (*visit)
 
 namespace {
 
-constexpr double edge_tolerance = 1e-9;
+constexpr double overlap_tolerance = 1e-9;
 constexpr std::size_t max_items_per_triangle = 8;  // on average
 
 Eigen::AlignedBox2d uv_box(const TriangleMesh& mesh, std::size_t triangle) {
   Eigen::AlignedBox2d box;
   for (const int index : mesh.triangles[triangle]) box.extend(mesh.uvs[std::size_t(index)]);
-  const Vec2 margin = Vec2::Constant(2 * edge_tolerance * box.diagonal().maxCoeff());
+  const Vec2 margin = Vec2::Constant(2 * overlap_tolerance * box.diagonal().maxCoeff());
   return {box.min() - margin, box.max() + margin};
 }
 
@@ -200,7 +200,7 @@ std::optional<UvHit> UvGrid::find(const Vec2& uv) const {
   for (std::size_t k = begin_[cell]; k < begin_[cell + 1]; ++k) {
     const UvTriangle& triangle = triangles_[std::size_t(items_[k])];
     const Vec2 w = triangle.to_weights * (uv - triangle.a);
-    if (w.x() >= -edge_tolerance && w.y() >= -edge_tolerance && w.x() + w.y() <= 1 + edge_tolerance)
+    if (w.x() >= -overlap_tolerance && w.y() >= -overlap_tolerance && w.x() + w.y() <= 1 + overlap_tolerance)
       return UvHit{items_[k], {1 - w.x() - w.y(), w.x(), w.y()}};
   }
   return std::nullopt;

@@ -20,10 +20,6 @@ namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-double ratio(double part, double whole) {
-  return whole > 0 ? part / whole : unknown;
-}
-
 double square(float value) {
   return std::isfinite(value) ? double(value) * double(value) : 0;
 }

@@ -9,7 +9,7 @@ namespace intaglio::report {
 
 namespace {
 
-constexpr std::string_view unknown = "–";
+constexpr std::string_view not_known = "–";
 
 // Mean of the pixels of `image` that fall into pixel (x, y) of an image `scale` times smaller.
 std::uint8_t box_mean(const Image8& image, int x, int y, int c, double scale) {
@@ -53,7 +53,7 @@ std::string escape_html(std::string_view text) {
 }
 
 std::string format_number(double value, int decimals) {
-  if (!std::isfinite(value)) return std::string(unknown);
+  if (!std::isfinite(value)) return std::string(not_known);
   if (std::abs(value) >= 1e15) return fmt::format("{:.2e}", value);
   std::string text = fmt::format("{:.{}f}", value, decimals);
   if (text[0] != '-') return text;
@@ -62,7 +62,7 @@ std::string format_number(double value, int decimals) {
 }
 
 std::string format_number(double value) {
-  if (!std::isfinite(value)) return std::string(unknown);
+  if (!std::isfinite(value)) return std::string(not_known);
   const double size = std::abs(value);
   if (size == 0) return "0";
   if (size < 1e-3 || size >= 1e7) return fmt::format("{:.2e}", value);

@@ -57,40 +57,41 @@ std::string slope_plot(const Inspection& inspection) {
   return plot.finish();
 }
 
-std::string row(std::string_view name, const std::string& value) {
+std::string text_row(std::string_view name, const std::string& value) {
   return table_row(name, fmt::format("<td>{}</td>", value));
 }
 
 std::string table(const Inspection& i) {
   const surface::ImportReport& r = i.report;
   std::string out = "<table><caption>What was found</caption>\n";
-  out += row("Size", fmt::format("{} × {} texels", i.width, i.height));
-  out += row("Normals from", fmt::format("{}{}", file_text(r.normal_file),
-                                         r.normal_bits != 0 ? fmt::format(", {} bits", r.normal_bits) : ""));
-  out += row("Height from",
-             fmt::format("{}{}{}", file_text(r.height_file), r.height_channel == 3 ? ", alpha channel" : "",
-                         r.height_bits != 0 ? fmt::format(", {} bits", r.height_bits) : ""));
+  out += text_row("Size", fmt::format("{} × {} texels", i.width, i.height));
+  out += text_row("Normals from",
+                  fmt::format("{}{}", file_text(r.normal_file),
+                              r.normal_bits != 0 ? fmt::format(", {} bits", r.normal_bits) : ""));
   out +=
-      row("Green", i.has_normals
-                       ? (green_text(i) + (r.detected_green ? "" : ", from the file name (not detectable)"))
-                       : "–");
-  out += row("White means", i.has_height ? (polarity_text(i) == "height" ? "high" : "deep") : "–");
-  out += row("Rows of the height", r.rows_flipped ? "flipped relative to the normals" : "in order");
-  out += row("Correlation",
-             i.has_normals && i.has_height
-                 ? fmt::format("{} (along u {}, along v {})", format_number(r.correlation, 2),
-                               format_number(r.correlation_u, 2), format_number(r.correlation_v, 2))
-                 : "–");
-  out += row("Full depth", fmt::format("{} % of the side{}", format_number(100 * i.depth_fraction, 2),
-                                       r.implied_depth > 0 ? ", implied by the normals" : ""));
-  out += row("RMS slope", format_number(i.rms_slope, 3));
-  out += row("Steep (over 45°)", format_number(100 * i.steep_fraction, 2) + " %");
-  out += row("Near-vertical (over 70°)", format_number(100 * i.near_vertical_fraction, 2) + " %");
-  out += row("Levels of height", i.height_levels > 0
-                                     ? fmt::format("{}; one level is a slope of {}", i.height_levels,
-                                                   format_number(i.terrace_slope, 3))
-                                     : "–");
-  out += row("Non-integrable slope (curl)", i.has_normals ? format_number(100 * r.curl, 1) + " %" : "–");
+      text_row("Height from",
+               fmt::format("{}{}{}", file_text(r.height_file), r.height_channel == 3 ? ", alpha channel" : "",
+                           r.height_bits != 0 ? fmt::format(", {} bits", r.height_bits) : ""));
+  out += text_row("Green", i.has_normals ? (green_text(i) +
+                                            (r.detected_green ? "" : ", from the file name (not detectable)"))
+                                         : "–");
+  out += text_row("White means", i.has_height ? (polarity_text(i) == "height" ? "high" : "deep") : "–");
+  out += text_row("Rows of the height", r.rows_flipped ? "flipped relative to the normals" : "in order");
+  out += text_row("Correlation",
+                  i.has_normals && i.has_height
+                      ? fmt::format("{} (along u {}, along v {})", format_number(r.correlation, 2),
+                                    format_number(r.correlation_u, 2), format_number(r.correlation_v, 2))
+                      : "–");
+  out += text_row("Full depth", fmt::format("{} % of the side{}", format_number(100 * i.depth_fraction, 2),
+                                            r.implied_depth > 0 ? ", implied by the normals" : ""));
+  out += text_row("RMS slope", format_number(i.rms_slope, 3));
+  out += text_row("Steep (over 45°)", format_number(100 * i.steep_fraction, 2) + " %");
+  out += text_row("Near-vertical (over 70°)", format_number(100 * i.near_vertical_fraction, 2) + " %");
+  out += text_row("Levels of height", i.height_levels > 0
+                                          ? fmt::format("{}; one level is a slope of {}", i.height_levels,
+                                                        format_number(i.terrace_slope, 3))
+                                          : "–");
+  out += text_row("Non-integrable slope (curl)", i.has_normals ? format_number(100 * r.curl, 1) + " %" : "–");
   return out + "</table>\n";
 }
 

@@ -153,7 +153,7 @@ std::string table_head(std::string_view caption, const std::string& headings) {
   return fmt::format("<table>\n<caption>{}</caption>\n<thead><tr>{}</tr></thead>\n<tbody>\n", caption,
                      headings);
 }
-std::string row(std::string_view name, std::string_view value) {
+std::string figure_row(std::string_view name, std::string_view value) {
   return table_row(name, figure(value));
 }
 
@@ -194,15 +194,15 @@ std::string cost_table(const session::Recording& recording) {
 std::string run_table(const session::Recording& recording) {
   std::string html =
       "<table>\n<caption>The run. Two runs of one scene have the same hashes.</caption>\n<tbody>\n";
-  html += row("Simulated time, s", format_number(recording.duration, 2));
-  html += row("Wall time, s", format_number(recording.wall_s, 2));
-  html += row("Modal analysis, CPU s", format_number(recording.bake_s, 2));
-  html += row("Memory of the surface", format_bytes(recording.surface_bytes));
-  html += row("Peak memory of the process", format_bytes(recording.peak_memory_bytes));
-  html += row("Contact events", std::to_string(recording.events.size()));
-  html += row("Momentum residual, N s", format_number(recording.momentum_residual));
-  html += row("Hash of the events", fmt::format("<code>{}</code>", format_hex(recording.event_hash)));
-  html += row("Hash of the audio", fmt::format("<code>{}</code>", format_hex(recording.audio_hash)));
+  html += figure_row("Simulated time, s", format_number(recording.duration, 2));
+  html += figure_row("Wall time, s", format_number(recording.wall_s, 2));
+  html += figure_row("Modal analysis, CPU s", format_number(recording.bake_s, 2));
+  html += figure_row("Memory of the surface", format_bytes(recording.surface_bytes));
+  html += figure_row("Peak memory of the process", format_bytes(recording.peak_memory_bytes));
+  html += figure_row("Contact events", std::to_string(recording.events.size()));
+  html += figure_row("Momentum residual, N s", format_number(recording.momentum_residual));
+  html += figure_row("Hash of the events", fmt::format("<code>{}</code>", format_hex(recording.event_hash)));
+  html += figure_row("Hash of the audio", fmt::format("<code>{}</code>", format_hex(recording.audio_hash)));
   return html + "</tbody></table>\n";
 }
 

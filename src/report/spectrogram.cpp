@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <limits>
 #include <numbers>
 #include <unsupported/Eigen/FFT>
 
@@ -136,10 +135,6 @@ Image8 spectrogram_image(const Spectrogram& s, const SpectrogramView& view, int 
 namespace {
 
 constexpr double low_hz = 20, high_hz = 20000;
-
-double ratio(double part, double whole) {
-  return whole > 0 ? part / whole : std::numeric_limits<double>::quiet_NaN();
-}
 
 }  // namespace
 

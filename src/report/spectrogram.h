@@ -6,6 +6,7 @@
 // Cost: about 20 us a frame of 2048; memory: 4 bytes a frame and bin, 0.35 MB a second at 44.1 kHz.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -40,6 +41,11 @@ std::vector<double> mean_spectrum(const Spectrogram& spectrogram);
 
 // Decibels of a mean square against full scale, never below `floor_db`.
 double level_db(double mean_square, double floor_db);
+
+// part / whole; NaN, which reports print as unknown, without a whole.
+inline double ratio(double part, double whole) {
+  return whole > 0 ? part / whole : std::numeric_limits<double>::quiet_NaN();
+}
 
 // Axes and levels of the picture.
 struct SpectrogramView {

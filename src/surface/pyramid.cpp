@@ -10,9 +10,9 @@ namespace intaglio::surface {
 
 namespace {
 
-constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr float infinite_depth = std::numeric_limits<float>::infinity();
 
-struct Bounds {
+struct DepthRange {
   float low, high;
 };
 
@@ -35,8 +35,8 @@ class Block {
       }
     }
   }
-  Bounds depths() const {
-    Four low = Four::Constant(infinity), high = -low;
+  DepthRange depths() const {
+    Four low = Four::Constant(infinite_depth), high = -low;
     for (int b = 1; b < end; ++b) {
       low = low.min(load4(b, 1)).min(load4(b, 2));
       high = high.max(load4(b, 1)).max(load4(b, 2));
@@ -55,9 +55,9 @@ class Block {
     return sum / ((leaf + 1) * leaf);
   }
   // Bounds of the depth minus the plane with these slopes that is 0 at the middle.
-  Bounds residual(float slope_x, float slope_y) const {
+  DepthRange residual(float slope_x, float slope_y) const {
     const Four left = slope_x * Four(-2, -1, 0, 1), right = slope_x * Four(-1, 0, 1, 2);
-    Four low = Four::Constant(infinity), high = -low;
+    Four low = Four::Constant(infinite_depth), high = -low;
     for (int b = 1; b < end; ++b) {
       const float along = slope_y * float(b - 3);
       const Four left_part = load4(b, 1) - left - along, right_part = load4(b, 2) - right - along;
@@ -128,8 +128,8 @@ Pyramid::Pyramid(std::span<const float> depth, const Grid& grid) {
   } while (width > 1 || height > 1);
   slabs_.resize(quads);
   Bounds4 empty;
-  empty.shallow.fill(infinity);
-  empty.deep.fill(-infinity);
+  empty.shallow.fill(infinite_depth);
+  empty.deep.fill(-infinite_depth);
   quads_.assign(quads - level_1_, empty);
   const auto [least, greatest] = std::minmax_element(depth.begin(), depth.end());
   total_range_ = {*least, *greatest};
@@ -148,10 +148,10 @@ void Pyramid::build_leaves(std::span<const float> depth, const Grid& grid) {
                          std::min(leaf_cells, rows_ - y * leaf_cells));
       // Rounded as stored.
       const auto sx = float(quantise_slope(texels.slope_x())), sy = float(quantise_slope(texels.slope_y()));
-      const Bounds rest = texels.residual(sx, sy);
+      const DepthRange rest = texels.residual(sx, sy);
       store({sx, sy, texels.spread_x(sx), texels.spread_y(sy), rest.low, rest.high}, block(0, x, y));
       if (levels() == 1) continue;
-      const Bounds depths = texels.depths();
+      const DepthRange depths = texels.depths();
       const std::size_t up = block(1, x / 2, y / 2);
       Bounds4& quad = quads_[up / 4 - level_1_];
       quad.shallow[up % 4] = std::min(quad.shallow[up % 4], depths.low);
@@ -184,7 +184,7 @@ void Pyramid::build_level(int level) {
 Pyramid::Slab Pyramid::merge_children(int level, int x, int y) const {
   std::array<Slab, 4> child;
   std::array<bool, 4> there;
-  Slab out{0, 0, 0, 0, infinity, -infinity};
+  Slab out{0, 0, 0, 0, infinite_depth, -infinite_depth};
   double count = 0;
   for (int k = 0; k < 4; ++k) {
     const auto n = std::size_t(k);

@@ -248,11 +248,11 @@ std::optional<Datagram> receive(const Socket& udp, std::span<std::uint8_t> buffe
   return Datagram{buffer.first(std::size_t(size)), ipv4_of(from)};
 }
 
-void wait_for(const Socket& first, const Socket& second, bool first_writable, std::int64_t nanoseconds) {
+void wait_for(const Socket& first, const Socket& second, bool first_writable, std::int64_t patience_ns) {
   // poll() ignores negative descriptors.
   pollfd polled[2] = {{first.fd(), short(POLLIN | (first_writable ? POLLOUT : 0)), 0},
                       {second.fd(), POLLIN, 0}};
-  const timespec patience{nanoseconds / 1000000000, nanoseconds % 1000000000};
+  const timespec patience{patience_ns / 1000000000, patience_ns % 1000000000};
   ::ppoll(polled, 2, &patience, nullptr);
 }
 

@@ -122,6 +122,6 @@ std::optional<Datagram> receive(const Socket& udp, std::span<std::uint8_t> buffe
 
 // Waits until one of two sockets is readable, or the first is writable if `first_writable`; either may be
 // absent.
-void wait_for(const Socket& first, const Socket& second, bool first_writable, std::int64_t nanoseconds);
+void wait_for(const Socket& first, const Socket& second, bool first_writable, std::int64_t patience_ns);
 
 }  // namespace intaglio::haptics::vrpn

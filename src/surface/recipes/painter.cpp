@@ -193,8 +193,8 @@ class Scratches : public DetailField {
   Scratches(const LayerRecipe& layer, std::uint64_t seed) {
     Random random(seed);
     for (int k = 0; k < layer.count; ++k) {
-      const double degrees = layer.direction + layer.spread * (random.uniform() - 0.5);
-      const double angle = degrees * std::numbers::pi / 180;
+      const double direction = layer.direction + layer.spread * (random.uniform() - 0.5);
+      const double angle = direction * std::numbers::pi / 180;
       const double v = random.uniform(), u = random.uniform();  // sequenced, unlike function arguments
       const Vec2 middle(u, v);
       const double length = layer.length * random.uniform(0.25, 1);
