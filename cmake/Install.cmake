@@ -9,7 +9,7 @@ set(INTAGLIO_ABI 1) # raised when a program that links the shared libraries must
 function(intaglio_installed name description deps modules packages libs)
   set_property(GLOBAL APPEND PROPERTY INTAGLIO_LIBRARIES ${name})
   set_target_properties(intaglio_${name} PROPERTIES OUTPUT_NAME intaglio-${name} EXPORT_NAME ${name} VERSION ${INTAGLIO_ABI}.${PROJECT_VERSION}
-                                                    SOVERSION ${INTAGLIO_ABI})
+                                                    SOVERSION ${INTAGLIO_ABI} DEFINE_SYMBOL "")
   target_include_directories(intaglio_${name} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_compile_features(intaglio_${name} PUBLIC cxx_std_20)
   if(BUILD_SHARED_LIBS)

@@ -33,7 +33,7 @@ struct AudioStatus {
   std::uint64_t buffers = 0;    // rendered
   std::uint64_t underruns = 0;  // buffers that came too late, as far as the card can tell
   double latency = 0;           // s, from render() to the speaker
-  double busiest = 0;           // the longest render(), as a fraction of a buffer's duration
+  double peak_load = 0;         // the longest render(), as a fraction of a buffer's duration
   std::string error;            // why it stopped by itself; usually empty
 };
 
