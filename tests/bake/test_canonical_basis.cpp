@@ -144,7 +144,8 @@ TEST_CASE("groups of equal frequency are complete") {
   }
 }
 
-TEST_CASE("struck bodies sound the same in any basis of their modes of equal frequency: -80 dB, 0.01 dB") {
+TEST_CASE("struck bodies sound the same in any basis of their modes of equal frequency: -80 dB, 0.01 dB" *
+          doctest::test_suite("statistics")) {
   const int rotations = std::getenv("INTAGLIO_SLOW") ? 20 : 2;
   for (const Body& body : bodies()) {
     const double mass = body.material.density * volume(body.mesh);
@@ -185,7 +186,7 @@ TEST_CASE("struck bodies sound the same in any basis of their modes of equal fre
   }
 }
 
-TEST_CASE("scaling and merging do not depend on the basis either") {
+TEST_CASE("scaling and merging do not depend on the basis either" * doctest::test_suite("statistics")) {
   const ModalModel fine = bake(ball(0.15, 2), *find_material("ceramic"), {"ball", {40, 20, 20'000}}).value();
   for (const ModalModel& baked : {*test::small_ball(), fine}) {
     const ModalModel model = as_sampled(baked);

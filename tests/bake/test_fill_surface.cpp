@@ -56,7 +56,8 @@ TEST_CASE("winding numbers: 1 inside, 0 outside, and a tree says what the sum ov
     CHECK(std::abs(winding.value(p)) < 0.02);
 }
 
-TEST_CASE("an icosphere fills to a ball with Lamb's frequencies within 0.3 %") {
+TEST_CASE("an icosphere fills to a ball with Lamb's frequencies within 0.3 %" *
+          doctest::test_suite("statistics")) {
   const auto filled = test::fill_surface(test::icosphere(0.1, 4), {0.03, 20'000}, "ball.obj");
   REQUIRE(filled);
   const double worst = worst_error(filled->mesh, test::steel(), lamb(0.1, test::steel()));
@@ -82,7 +83,8 @@ TEST_CASE("a bar along the axes, and turned askew" * doctest::test_suite("statis
 }
 
 TEST_CASE(
-    "a dirty ball rings as a clean one: holes, turned and doubled triangles, slivers, a crossing shell") {
+    "a dirty ball rings as a clean one: holes, turned and doubled triangles, slivers, a crossing shell" *
+    doctest::test_suite("statistics")) {
   const auto clean = test::icosphere(0.1, 3);
   auto dirty = clean;
   for (std::size_t t = 0; t < dirty.triangles.size(); t += 7)

@@ -37,7 +37,8 @@ surface::TriangleMesh sheet(double side, int n) {
 
 }  // namespace
 
-TEST_CASE("linear elements have the same mass and are sharp in pitch, less so the smaller they are") {
+TEST_CASE("linear elements have the same mass and are sharp in pitch, less so the smaller they are" *
+          doctest::test_suite("statistics")) {
   const Vec3 size(0.3, 0.01, 0.3);
   const Material ceramic = *find_material("ceramic");
   const ModeOptions modes{3, 20, 20'000};
@@ -56,7 +57,7 @@ TEST_CASE("linear elements have the same mass and are sharp in pitch, less so th
   }
 }
 
-TEST_CASE("a sheet with thickness is the plate") {
+TEST_CASE("a sheet with thickness is the plate" * doctest::test_suite("statistics")) {
   const auto body = body_surface(sheet(0.3, 10), "sheet.obj", 0.01);
   REQUIRE(body);
   CHECK(body->volume == doctest::Approx(0.3 * 0.3 * 0.01));

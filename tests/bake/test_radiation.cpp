@@ -89,7 +89,8 @@ TEST_CASE("the potentials of a triangle are those of many points on it") {
   }
 }
 
-TEST_CASE("the orders of a sphere, from pulsation up, radiate as in closed form") {
+TEST_CASE("the orders of a sphere, from pulsation up, radiate as in closed form" *
+          doctest::test_suite("statistics")) {
   const double a = 0.1;
   // The mesh, not quite round, mixes orders with lower ones: they are compared from 30 dB below these up.
   const std::array<double, 4> from{0.02, 0.05, 0.1, 2}, worst{0.2, 1.2, 1.2, 1.6};
@@ -112,7 +113,8 @@ TEST_CASE("the orders of a sphere, from pulsation up, radiate as in closed form"
   }
 }
 
-TEST_CASE("a disk that oscillates along its axis is a dipole of known moment, however thin") {
+TEST_CASE("a disk that oscillates along its axis is a dipole of known moment, however thin" *
+          doctest::test_suite("statistics")) {
   const double a = 0.1, k = 0.2 / a;
   for (const double t : {0.03, 0.003, 0.0003}) {
     const VibratingSurface disk = surface_of(cylinder(a, t, 6, 1), [](const Vec3&) { return Vec3(0, 1, 0); });
@@ -126,7 +128,8 @@ TEST_CASE("a disk that oscillates along its axis is a dipole of known moment, ho
 }
 
 TEST_CASE(
-    "below k L = 1 the twist of a square plate falls by 24 dB per octave, its oscillation by 12, its pulsation by 6") {
+    "below k L = 1 the twist of a square plate falls by 24 dB per octave, its oscillation by 12, its pulsation by 6" *
+    doctest::test_suite("statistics")) {
   const TetMesh plate = box({0.3, 0.01, 0.3}, 10, 1, 10);
   const auto slope = [&](const std::function<Vec3(const Vec3&)>& velocity) {
     const std::vector<double> p = pressures(surface_of(plate, velocity), {0.6, 1.2});

@@ -11,7 +11,8 @@
 using namespace intaglio;
 using namespace intaglio::sound;
 
-TEST_CASE("a sampled model is smaller, closed, and rings under a blow as the full one does") {
+TEST_CASE("a sampled model is smaller, closed, and rings under a blow as the full one does" *
+          doctest::test_suite("statistics")) {
   // Elements far smaller than the waves, as a thin body needs.
   const TetMesh mesh = box({0.3, 0.01, 0.3}, 20, 1, 20);
   const ModeOptions modes{20, 20, 20'000};

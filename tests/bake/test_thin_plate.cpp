@@ -64,7 +64,8 @@ VectorXd ritz_values(double poisson, Index degree, Index count) {
 }  // namespace
 
 TEST_CASE(
-    "the free thin square plate has Gorman's frequencies, and NAFEMS FV12's listed 4.233 and 7.416 Hz lie above") {
+    "the free thin square plate has Gorman's frequencies, and NAFEMS FV12's listed 4.233 and 7.416 Hz lie above" *
+    doctest::test_suite("statistics")) {
   const VectorXd coarse = ritz_values(0.3, 13, 6), fine = ritz_values(0.3, 17, 6);
   CHECK(((coarse - fine).array() >= -1e-8).all());               // from above
   CHECK((coarse.array() / fine.array() - 1).maxCoeff() < 1e-6);  // and they have converged

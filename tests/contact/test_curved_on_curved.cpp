@@ -76,7 +76,8 @@ double sampled(const CurvedPair& pair, const Pose& pose, int count, Random& rand
 
 }  // namespace
 
-TEST_CASE("two curved reliefs: no sample is nearer than the first contact, within a tolerance") {
+TEST_CASE("two curved reliefs: no sample is nearer than the first contact, within a tolerance" *
+          doctest::test_suite("statistics")) {
   for (const CurvedPair& pair : curved_pairs()) {
     Random random(91);
     const double texel = pair.ground.texel_size(), margin = 0.3 * texel;

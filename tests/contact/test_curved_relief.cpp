@@ -62,7 +62,8 @@ TEST_CASE("on a flat quad a sphere's contacts are those with the rectangle") {
   CHECK(touching > 200);
 }
 
-TEST_CASE("a body lifted off along its first contact's normal no longer overlaps there; nothing allocates") {
+TEST_CASE("a body lifted off along its first contact's normal no longer overlaps there; nothing allocates" *
+          doctest::test_suite("statistics")) {
   for (const auto& [name, relief, radius, is_torn] : tests::various_reliefs()) {
     for (const auto& [kind, shape] : tests::bodies(2 * radius)) {
       Random random(72);
@@ -94,7 +95,8 @@ TEST_CASE("a body lifted off along its first contact's normal no longer overlaps
   }
 }
 
-TEST_CASE("the depth of capsule, box and hull agrees with samples of the field") {
+TEST_CASE("the depth of capsule, box and hull agrees with samples of the field" *
+          doctest::test_suite("statistics")) {
   for (const auto& [name, relief, radius, is_torn] : tests::various_reliefs()) {
     struct Point {
       Vec3 at, normal;  // of the base

@@ -26,7 +26,8 @@ double lift(const surface::Surface& s, const Shape& shape, const Pose& pose) {
 
 }  // namespace
 
-TEST_CASE("no contact of a convex body is deeper than twice the way up and out") {
+TEST_CASE("no contact of a convex body is deeper than twice the way up and out" *
+          doctest::test_suite("statistics")) {
   const int count = tests::poses(6, 2000);
   double worst = 0;
   for (const auto& s : {tests::brick_surface(128), tests::rough_surface(96, 80, surface::Edge::wrap)}) {

@@ -53,7 +53,8 @@ double height_rms(const Run& a, const Run& b) {
 
 }  // namespace
 
-TEST_CASE("T3, T4: balls on bricks agree with the same run at 3840 Hz, the better the higher the rate") {
+TEST_CASE("T3, T4: balls on bricks agree with the same run at 3840 Hz, the better the higher the rate" *
+          doctest::test_suite("statistics")) {
   const auto s = scene::floor(tests::quick_or_slow(256, 512));
   const auto balls = scene::balls(*s, tests::poses(25, 100));
   // The rate itself is tested, so no substeps.
@@ -73,7 +74,8 @@ TEST_CASE("T3, T4: balls on bricks agree with the same run at 3840 Hz, the bette
   CHECK(errors[1] >= 2 * errors[2]);
 }
 
-TEST_CASE("T5, T7: at 60 Hz and above balls on bricks gain no energy and stay outside") {
+TEST_CASE("T5, T7: at 60 Hz and above balls on bricks gain no energy and stay outside" *
+          doctest::test_suite("statistics")) {
   const auto s = scene::floor(tests::quick_or_slow(256, 512));
   const auto balls = scene::balls(*s, tests::poses(25, 100));
   const double mgr = balls[0].mass() * scene::gravity * scene::radius;

@@ -14,7 +14,8 @@ using tests::energy;
 using tests::g;
 using tests::vec;
 
-TEST_CASE("a ball rolls to and fro in a smooth bowl at the frequency of the closed form") {
+TEST_CASE("a ball rolls to and fro in a smooth bowl at the frequency of the closed form" *
+          doctest::test_suite("statistics")) {
   const double R = 1, r = 0.1, amplitude = 0.1;
   dynamics::CurvedShape bowl(tests::relief_on(surface::make_bowl(R, 512, 256), tests::no_relief()));
   CurvedWorld plain;

@@ -10,8 +10,8 @@ using namespace intaglio;
 using namespace intaglio::dynamics;
 namespace scene = intaglio::tests::brick_scene;
 
-TEST_CASE(
-    "T11: reported impulses are m dv - m g dt for every ball, none missing or doubled at cell borders") {
+TEST_CASE("T11: reported impulses are m dv - m g dt for every ball, none missing or doubled at cell borders" *
+          doctest::test_suite("statistics")) {
   const auto s = scene::floor(tests::quick_or_slow(256, 512));
   auto balls = scene::balls(*s, tests::poses(25, 100));
   // Half of them bounce.

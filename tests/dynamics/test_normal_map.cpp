@@ -77,7 +77,8 @@ TEST_CASE("T8: on a uniformly tilted normal map a ball rolls as on the slope, an
   }
 }
 
-TEST_CASE("T9: a ball between normals of 60 to 75 degrees does not spin in place") {
+TEST_CASE("T9: a ball between normals of 60 to 75 degrees does not spin in place" *
+          doctest::test_suite("statistics")) {
   for (const double degrees : {60.0, 67.0, 75.0}) {
     for (const int count : {4, 16}) {
       World world(valleys(degrees, count), scene::material(), normals(240));

@@ -238,7 +238,8 @@ TEST_CASE("blocks with gratings tumble onto a grating, gain no energy, and none 
   CHECK(world.momentum_residual() < 1e-3 * laws.mass(0) * g / 480);
 }
 
-TEST_CASE("a relief ball rolls on a relief floor and pushes a relief block away") {
+TEST_CASE("a relief ball rolls on a relief floor and pushes a relief block away" *
+          doctest::test_suite("statistics")) {
   World world(grating(2.4, tests::flat_placement(2.4), 0.004), light_material(0.5), at_rate(240));
   ShapeBody ball = rough_ball(0.1, {-0.4, 0.105, 0.02});
   ball.velocity = {0.8, 0, 0};
@@ -263,7 +264,8 @@ TEST_CASE("a relief ball rolls on a relief floor and pushes a relief block away"
   CHECK(world.momentum_residual() < 1e-3 * laws.mass(1) * g / 240);
 }
 
-TEST_CASE("a ball and a box come to rest in a relief bowl; without relief the bowl is smooth") {
+TEST_CASE("a ball and a box come to rest in a relief bowl; without relief the bowl is smooth" *
+          doctest::test_suite("statistics")) {
   const auto bowl =
       tests::relief_on(tests::tiled(surface::make_bowl(0.5, 96, 48), {4, 2}), tests::brick_surface(128));
   for (const auto representation : {Representation::relief, Representation::flat}) {
@@ -306,7 +308,8 @@ TEST_CASE("a ball and a box come to rest in a relief bowl; without relief the bo
 }
 
 TEST_CASE(
-    "a box with gratings above and below comes to rest in a relief bowl; the upper one touches nothing") {
+    "a box with gratings above and below comes to rest in a relief bowl; the upper one touches nothing" *
+    doctest::test_suite("statistics")) {
   const auto bowl =
       tests::relief_on(tests::tiled(surface::make_bowl(0.5, 96, 48), {4, 2}), tests::brick_surface(128));
   World world(bowl, light_material(0.5), at_rate(240));

@@ -129,7 +129,8 @@ void tell(const std::string& what, const std::vector<double>& errors) {
 
 }  // namespace
 
-TEST_CASE("impacts of a ball that rolls over a grating are timed within a millisecond at 480 Hz") {
+TEST_CASE("impacts of a ball that rolls over a grating are timed within a millisecond at 480 Hz" *
+          doctest::test_suite("statistics")) {
   for (const auto& grooves : {std::pair{0.02, 0.0002}, {0.01, 0.0001}, {0.03, 0.001}}) {
     const double wavelength = grooves.first;
     const auto surface = square_grooves(wavelength, grooves.second);

@@ -154,7 +154,7 @@ TEST_CASE("world -> (u, v, height) -> world round-trips on curved shapes") {
   }
 }
 
-TEST_CASE("the nearest base point of all triangles is found") {
+TEST_CASE("the nearest base point of all triangles is found" * doctest::test_suite("statistics")) {
   const auto placement = MeshPlacement::make(wavy(12));
   REQUIRE(placement);
   Random random(4);

@@ -241,7 +241,7 @@ TEST_CASE("a seed makes the same texture, another seed another") {
   }
 }
 
-TEST_CASE("a texture looks the same at every size") {
+TEST_CASE("a texture looks the same at every size" * doctest::test_suite("statistics")) {
   for (const Made& made : all_made()) {
     CAPTURE(made.recipe.about.name);
     CHECK(rms_from(halved(made.texture), make_texture(made.recipe, 256)) < 0.01);
@@ -254,7 +254,7 @@ TEST_CASE("a texture looks the same at every size") {
   }
 }
 
-TEST_CASE("small images keep the mean depth") {
+TEST_CASE("small images keep the mean depth" * doctest::test_suite("statistics")) {
   const auto mean = [](const TextureImages& t) {
     double sum = 0;
     for (int y = 0; y < t.relief.height; ++y) {
