@@ -2,6 +2,7 @@
 """Fails on names that two users or two clones that build and test at once would share: fixed names in the temporary folder, names
 that are not unique (a process id outlives its process in leftovers, rand() without a seed is the same for all), shared memory,
 displays and ports. Use mkdtemp, mktemp, Python's tempfile, -displayfd and port 0; in C++ tests/temporary_folder.h.
+Fails too where src/ and apps/ open a file for writing, or rename one, other than by core/output_files.h.
 Prints each finding as file:line and exits 1."""
 import pathlib
 import re
@@ -21,6 +22,11 @@ WRONG = [  # pattern, what to write instead
     (re.compile(r"\bXvfb\s+:\d|\bxvfb-run\s+(?!.*(?:-a\b|--auto))"), "a fixed display; Xvfb -displayfd, or xvfb-run -a"),
     (re.compile(r'"\$intaglio" devices serve\b(?!.*--port)'), "a fixed port; --port 0 prints a free one"),
 ]
+WRITES = re.compile(r"""\bofstream\b|\bfopen\s*\([^;]*"[wa]|\b(?:fs|filesystem)::(?:rename|copy_file)\s*\(|\brename(?:at2?)?\s*\(|\bO_CREAT\b|\bmkstemps?\b""")
+WRITERS = {
+    "src/core/output_files.cpp",  # which is the way
+    "apps/netgen/main.cpp",  # a program of its own, in a folder that core/process's caller has made for it
+}
 ASKS = re.compile(r"\btemp_directory_path\s*\(|\bTMPDIR\b")  # right only where mkdtemp makes the name out of it
 
 def is_comment(line, path):
@@ -36,6 +42,8 @@ def findings(path):
         for pattern, instead in WRONG:
             if match := pattern.search(line + "\n"):
                 yield f"{name}:{number}: {match.group(0).strip()}: {instead}"
+        if name.startswith(("src/", "apps/")) and name not in WRITERS and (match := WRITES.search(line)):
+            yield f"{name}:{number}: {match.group(0).strip()}: results are written by core/output_files.h"
         if ASKS.search(line) and "mkdtemp" not in "".join(lines[number - 1 : number + 2]):
             yield f"{name}:{number}: a name in the temporary folder that mkdtemp does not make; tests/temporary_folder.h has one"
 

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "sound/audio/wav.h"
-
 namespace intaglio::window {
 
 Result<std::unique_ptr<Recorder>> Recorder::start(const std::filesystem::path& target, int width, int height,
@@ -14,7 +12,9 @@ Result<std::unique_ptr<Recorder>> Recorder::start(const std::filesystem::path& t
   made->height_ = std::max(16, height - height % 2);
   made->fps_ = fps;
   made->sample_rate_ = sample_rate;
-  auto video = session::VideoWriter::create(target, made->width_, made->height_, fps);
+  // Every recording has a new name, so that no later one would remove what a killed session left.
+  remove_stale_temporaries(target.parent_path());
+  auto video = session::VideoWriter::create(made->files_, target, made->width_, made->height_, fps);
   if (!video) return tl::unexpected(video.error());
   made->video_ = std::move(*video);
   made->thread_ = std::thread([recorder = made.get()] { recorder->encode(); });
@@ -82,13 +82,9 @@ Result<void> Recorder::finish() {
   if (frames_ == 0) return fail(target_.string(), "nothing was recorded");
   // Trim or pad the audio to the video's length.
   audio_.resize(2 * std::size_t(seconds() * sample_rate_));
-  auto wav = target_;
-  wav.replace_extension(".recording.wav");
-  const auto written = sound::write_wav(wav, audio_, sample_rate_, {.channels = 2});
-  const auto joined = written ? video_->finish(wav) : written;
-  std::error_code ignored;
-  std::filesystem::remove(wav, ignored);
-  return joined;
+  if (const auto joined = video_->finish(audio_, sample_rate_); !joined)
+    return tl::unexpected(joined.error());
+  return files_.commit();
 }
 
 }  // namespace intaglio::window

@@ -2,6 +2,9 @@
 // in stereo as it is played. A thread of its own and ffmpeg encode; when their queue is full, the previous
 // frame is repeated, so that the window never waits.
 //
+// The video appears when recording stops. A killed session leaves hidden temporaries, which the next
+// recording in that folder removes (core/output_files.h).
+//
 // One thread (the window's). When the disk is full or ffmpeg dies, add() returns the error and recording
 // stops.
 #pragma once
@@ -49,6 +52,7 @@ class Recorder {
 
   std::filesystem::path target_;
   int width_ = 0, height_ = 0, fps_ = 30, sample_rate_ = 44'100;
+  OutputFiles files_;  // of the video; before it, which writes to them
   std::unique_ptr<session::VideoWriter> video_;
   std::vector<float> audio_;  // left and right interleaved
   std::int64_t frames_ = 0;

@@ -1,9 +1,4 @@
 #include "core/file.h"
-#include "core/text.h"
-
-#include <fcntl.h>
-#include <sys/random.h>
-#include <unistd.h>
 
 #include <fmt/format.h>
 #include <algorithm>
@@ -13,6 +8,7 @@
 #include <memory>
 #include <system_error>
 
+#include "core/output_files.h"
 #include "core/text.h"
 
 namespace intaglio {
@@ -36,26 +32,6 @@ tl::unexpected<Error> not_found(const fs::path& path) {
   const std::string nearest = path.has_filename() ? nearest_name(path.filename().string(), names) : "";
   return fail(path.empty() ? "\"\"" : path.string(), "no such file",
               nearest.empty() ? "" : "did you mean " + (folder / nearest).string() + "?");
-}
-
-// Renaming replaces the target, which must be a file, never a device such as /dev/null.
-Result<void> check_target(const fs::path& path) {
-  std::error_code error;
-  if (!path.has_filename())
-    return fail(path.empty() ? "\"\"" : path.string(), "is not a file name", "name a file");
-  if (fs::is_directory(path, error)) return fail(path.string(), "is a folder", "name a file");
-  if (fs::exists(path, error) && !fs::is_regular_file(path, error))
-    return fail(path.string(), "is a device or pipe, not a file", "name a file");
-  return {};
-}
-
-Result<void> make_folder(const fs::path& path) {
-  if (!path.has_parent_path()) return {};
-  std::error_code error;
-  fs::create_directories(path.parent_path(), error);
-  if (error)
-    return fail(path.string(), "cannot create its folder: " + error.message(), "choose a writable location");
-  return {};
 }
 
 }  // namespace
@@ -84,31 +60,9 @@ Result<std::string> read_text(const fs::path& path, std::uintmax_t limit) {
   return std::string(bytes->begin(), bytes->end());
 }
 
-Result<fs::path> create_temporary(const fs::path& path) {
-  for (int attempt = 0; attempt < 100; ++attempt) {
-    std::uint32_t number = 0;
-    if (getrandom(&number, sizeof number, 0) < 0) break;
-    // Before the extension, so that tools which choose a format by it still do.
-    const fs::path name = path.parent_path() / fmt::format("{}.{:08x}.part{}", path.stem().string(), number,
-                                                           path.extension().string());
-    const int file = open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
-    if (file >= 0) {
-      close(file);
-      return name;
-    }
-    if (errno != EEXIST) break;
-  }
-  return fail(path.string(), std::string("cannot be written: ") + std::strerror(errno),
-              "choose a writable location");
-}
-
 Result<void> check_writable(const fs::path& path) {
-  if (auto target = check_target(path); !target) return target;
-  if (auto made = make_folder(path); !made) return made;
-  const auto temporary = create_temporary(path);
-  if (!temporary) return tl::unexpected(temporary.error());
-  std::error_code ignored;
-  fs::remove(*temporary, ignored);
+  OutputFiles files;
+  if (const auto added = files.add(path); !added) return tl::unexpected(added.error());
   return {};
 }
 
@@ -118,46 +72,13 @@ Result<void> check_extension(const fs::path& path, const std::string& extension,
 }
 
 Result<void> write_file(const fs::path& path, std::span<const std::uint8_t> bytes) {
-  if (auto target = check_target(path); !target) return target;
-  if (auto folder = make_folder(path); !folder) return folder;
-  const auto made = create_temporary(path);
-  if (!made) return tl::unexpected(made.error());
-  const fs::path& temporary = *made;
-  std::error_code error;
-  File file = open_file(temporary, "wb");
-  if (!file) {
-    const std::string reason = std::strerror(errno);
-    fs::remove(temporary, error);
-    return fail(path.string(), "cannot be written: " + reason, "choose a writable location");
-  }
-  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file.get()) == bytes.size();
-  const bool closed = std::fclose(file.release()) == 0;  // a full disk is often noticed only here
-  if (!written || !closed) {
-    const std::string reason = std::strerror(errno);
-    fs::remove(temporary, error);
-    return fail(path.string(), "writing failed: " + reason, "is the disk full?");
-  }
-  fs::rename(temporary, path, error);
-  if (error) {
-    std::error_code ignored;
-    fs::remove(temporary, ignored);
-    return fail(path.string(), "cannot be replaced: " + error.message());
-  }
-  return {};
+  OutputFiles files;
+  if (auto written = files.write(path, bytes); !written) return written;
+  return files.commit();
 }
 
 Result<void> write_file(const fs::path& path, std::string_view text) {
   return write_file(path, std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
-}
-
-OutputFiles::~OutputFiles() {
-  std::error_code ignored;
-  for (const std::filesystem::path& path : paths_) std::filesystem::remove(path, ignored);
-}
-
-void OutputFiles::add(const std::filesystem::path& path) {
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) paths_.push_back(path);
 }
 
 }  // namespace intaglio

@@ -1,5 +1,4 @@
-// Reads and writes entire files. A write goes to a temporary next to the target and is renamed into place, so
-// that a failure leaves no half-written output.
+// Reads and writes entire files. All writing is done by core/output_files.h, which says what may be a target.
 #pragma once
 
 #include <cstdint>
@@ -21,35 +20,13 @@ Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path,
 // The same as text.
 Result<std::string> read_text(const std::filesystem::path& path, std::uintmax_t limit = 1u << 30);
 
-// Writes all of `bytes` or nothing. Creates the folder. An existing target must be a file: a device or a pipe
-// is an error, because renaming would replace it.
+// Writes all of `bytes` or nothing, as a set of one OutputFiles. Creates the folder.
 Result<void> write_file(const std::filesystem::path& path, std::span<const std::uint8_t> bytes);
 Result<void> write_file(const std::filesystem::path& path, std::string_view text);
-
-// A new, empty file next to `path`, to be written and renamed onto it; the caller removes it on failure. The
-// name is unique, so that several processes may write one target: the last rename wins, and the file is never
-// mixed.
-Result<std::filesystem::path> create_temporary(const std::filesystem::path& path);
 
 // Checks before long work that `path` can be written: creates its folder and a temporary, and removes the
 // latter.
 Result<void> check_writable(const std::filesystem::path& path);
-
-// The files of a job that fails as a whole: those that it created are removed again unless keep() is called.
-class OutputFiles {
- public:
-  OutputFiles() = default;
-  ~OutputFiles();
-  OutputFiles(const OutputFiles&) = delete;
-  OutputFiles& operator=(const OutputFiles&) = delete;
-
-  // Call before the file is written: one that exists already is not removed.
-  void add(const std::filesystem::path& path);
-  void keep() { paths_.clear(); }
-
- private:
-  std::vector<std::filesystem::path> paths_;
-};
 
 // Checks that the extension (in any case) matches the format written, for example ".wav" for `kind` "a WAV
 // file": programs choose the format by the name, and a mistyped name must not replace a file of another kind.

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "core/file.h"
+#include "core/output_files.h"
 #include "core/progress.h"
 #include "render/renderer.h"
 #include "report/report.h"
@@ -139,13 +140,11 @@ Result<session::Recording> render(const scene::Scene& scene, const RenderJob& jo
   const auto output = [&](const char* extension) {
     return fs::path(job.output).replace_extension(extension);
   };
-  OutputFiles files;
   if (const auto ffmpeg = session::find_ffmpeg(); !ffmpeg) return tl::unexpected(ffmpeg.error());
   if (auto named = check_extension(job.output, ".mp4", "an MP4"); !named)
     return tl::unexpected(named.error());
   for (const char* extension : {".mp4", ".wav", ".html", ".events.csv", ".servo.csv"}) {
     if (auto writable = check_writable(output(extension)); !writable) return tl::unexpected(writable.error());
-    files.add(output(extension));
   }
 
   const auto surface = scene::make_surface(scene);
@@ -156,8 +155,9 @@ Result<session::Recording> render(const scene::Scene& scene, const RenderJob& jo
   if (!simulation) return tl::unexpected(simulation.error());
   auto renderer = make_renderer(scene, *surface);
   if (!renderer) return tl::unexpected(renderer.error());
+  OutputFiles files;
   auto video =
-      session::VideoWriter::create(job.output, scene.video.width, scene.video.height, scene.video.fps);
+      session::VideoWriter::create(files, job.output, scene.video.width, scene.video.height, scene.video.fps);
   if (!video) return tl::unexpected(video.error());
 
   const auto frames = std::int64_t(scene.duration * scene.video.fps + 1e-9);
@@ -174,25 +174,26 @@ Result<session::Recording> render(const scene::Scene& scene, const RenderJob& jo
   if (auto drawn = pictures.finish(); !drawn) return tl::unexpected(drawn.error());
 
   session::Recording recording = std::move((*simulation)->recording());
-  if (auto wav = sound::write_wav(output(".wav"), recording.stereo, recording.sample_rate, {.channels = 2});
-      !wav)
-    return tl::unexpected(wav.error());
-  if (auto joined = (*video)->finish(output(".wav")); !joined) return tl::unexpected(joined.error());
+  const auto wav =
+      sound::add_wav(files, output(".wav"), recording.stereo, recording.sample_rate, {.channels = 2});
+  if (!wav) return tl::unexpected(wav.error());
+  const auto mp4 = (*video)->finish(*wav);
+  if (!mp4) return tl::unexpected(mp4.error());
   recording.notes = surface->notes;
   recording.key_frames = std::move(pictures.key_frames());
   recording.costs.push_back(pictures.cost().summarise(
       {"picture", fmt::format("{}x{} frame", scene.video.width, scene.video.height), 1.0 / scene.video.fps}));
   recording.peak_memory_bytes = session::peak_memory_bytes();
   recording.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const auto bytes = read_file(job.output);
+  const auto bytes = read_file(*mp4);
   if (!bytes) return tl::unexpected(bytes.error());
   for (const auto& [extension, text] : {std::pair{".events.csv", session::events_csv(recording)},
                                         {".servo.csv", session::servo_csv(recording)},
                                         {".html", report_html(recording, *bytes)}}) {
-    if (auto written = write_file(output(extension), text); !written) return tl::unexpected(written.error());
+    if (auto written = files.write(output(extension), text); !written) return tl::unexpected(written.error());
   }
+  if (auto committed = files.commit(); !committed) return tl::unexpected(committed.error());
   progress.update(1, fmt::format("{:.1f} of {:.1f} s", scene.duration, scene.duration));
-  files.keep();
   return recording;
 }
 

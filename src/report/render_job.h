@@ -15,10 +15,10 @@ struct RenderJob {
   std::filesystem::path output;  // .mp4; beside it go .wav, .html, .events.csv and .servo.csv
   int threads = 2;               // 2: render and encode in parallel with the simulation
   bool quiet = false;
-  const std::atomic<bool>* interrupted = nullptr;  // set from outside to stop early; no new file remains
+  const std::atomic<bool>* interrupted = nullptr;  // set from outside to stop early: nothing is written
 };
 
-// Writes all files; on an error none that was not there before remains.
+// Puts all files in place together (core/output_files.h); on an error the old ones remain as they were.
 Result<session::Recording> render(const scene::Scene& scene, const RenderJob& job);
 
 }  // namespace intaglio::report

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "core/file.h"
+#include "core/output_files.h"
 #include "core/progress.h"
 #include "report/html.h"
 #include "report/spectrogram.h"
@@ -146,11 +147,9 @@ Result<RenderedSound> make_sound(const SoundPageJob& job, const std::string& tex
   sound.centre_hz /= power;
   for (float& x : audio) x *= peak_shown / float(peak);
   const auto path = [&](const char* extension) { return job.folder / (sound.file + extension); };
-  files.add(path(".png"));
-  if (auto done = write_file(path(".png"), encode_png(picture(spectrogram, recording->duration))); !done)
+  if (auto done = files.write(path(".png"), encode_png(picture(spectrogram, recording->duration))); !done)
     return tl::unexpected(done.error());
-  files.add(path(".mp3"));
-  if (auto done = sound::write_wav(path(".mp3"), audio, recording->sample_rate, {sound::WavFormat::mp3});
+  if (auto done = sound::add_wav(files, path(".mp3"), audio, recording->sample_rate, {sound::WavFormat::mp3});
       !done)
     return tl::unexpected(done.error());
   return sound;
@@ -211,8 +210,8 @@ Result<void> make_sound_page(const SoundPageJob& job) {
     html += "</tr>\n";
   }
   html += "</table>\n<p>Made by <code>intaglio sound page -o DIR</code>.</p></body></html>\n";
-  if (auto page = write_file(job.folder / "index.html", html); !page) return page;
-  files.keep();
+  if (auto page = files.write(job.folder / "index.html", html); !page) return page;
+  if (auto committed = files.commit(); !committed) return committed;
   progress.update(1, "written");
   return {};
 }

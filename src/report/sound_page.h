@@ -28,8 +28,8 @@ struct SoundPageJob {
   bool quiet = false;
 };
 
-// All textures are checked first; on failure no new file remains. About 2 s of CPU time per sound. Sounds are
-// peak-normalised; the page states the true level.
+// All textures are checked first. All files appear together at the end; on failure the old ones stay. About
+// 2 s of CPU time per sound. Sounds are peak-normalised; the page states the true level.
 Result<void> make_sound_page(const SoundPageJob& job);
 
 }  // namespace intaglio::report

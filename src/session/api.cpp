@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/file.h"
+#include "core/output_files.h"
 #include "render/renderer.h"
 #include "scene/api.h"
 #include "scene/picture.h"
@@ -114,7 +115,9 @@ Result<void> Recording::save_video(const std::filesystem::path& mp4,
   const scene::Scene& scene = impl_->scene.impl().scene;
   auto renderer = renderer_of(scene, impl_->surface);
   if (!renderer) return tl::unexpected(renderer.error());
-  auto video = session::VideoWriter::create(mp4, scene.video.width, scene.video.height, scene.video.fps);
+  OutputFiles files;
+  auto video =
+      session::VideoWriter::create(files, mp4, scene.video.width, scene.video.height, scene.video.fps);
   if (!video) return tl::unexpected(video.error());
   const scene::ScenePicture picture(scene, impl_->surface);
   const std::size_t balls = scene.balls.size();
@@ -126,12 +129,9 @@ Result<void> Recording::save_video(const std::filesystem::path& mp4,
     if (const auto added = (*video)->add(image); !added) return added;
     if (progress) progress(double(k + 1) / double(impl_->frames.size()));
   }
-  const std::filesystem::path wav = std::filesystem::path(mp4).concat(".wav");
-  if (const auto written = save_audio(wav); !written) return written;
-  const auto finished = (*video)->finish(wav);
-  std::error_code ignored;
-  std::filesystem::remove(wav, ignored);
-  return finished;
+  if (const auto finished = (*video)->finish(audio(), sample_rate()); !finished)
+    return tl::unexpected(finished.error());
+  return files.commit();
 }
 
 }  // namespace intaglio

@@ -12,10 +12,24 @@
 #include <utility>
 
 #include "core/file.h"
+#include "sound/audio/wav.h"
 
 namespace intaglio::session {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+// ffmpeg says why it failed in the last line of its standard error.
+tl::unexpected<Error> encoder_error(const fs::path& target, const std::string& what,
+                                    const Result<void>& ended) {
+  const std::string reason = ended ? "" : ended.error().message();
+  if (reason.find(std::strerror(ENOSPC)) != std::string::npos)
+    return tl::unexpected(write_error(target, ENOSPC));
+  return fail(target.string(), reason.empty() ? what : what + ": " + reason, "is the disk full?");
+}
+
+}  // namespace
 
 Result<fs::path> find_ffmpeg() {
   const char* path = std::getenv("PATH");
@@ -27,21 +41,20 @@ Result<fs::path> find_ffmpeg() {
   return fail("ffmpeg", "not found on PATH", "it encodes the video; install it: sudo apt-get install ffmpeg");
 }
 
-Result<std::unique_ptr<VideoWriter>> VideoWriter::create(const fs::path& target, int width, int height,
-                                                         int fps) {
+Result<std::unique_ptr<VideoWriter>> VideoWriter::create(OutputFiles& files, const fs::path& target,
+                                                         int width, int height, int fps) {
   const auto ffmpeg = find_ffmpeg();
   if (!ffmpeg) return tl::unexpected(ffmpeg.error());
   if (auto named = check_extension(target, ".mp4", "an MP4"); !named) return tl::unexpected(named.error());
-  if (auto writable = check_writable(target); !writable) return tl::unexpected(writable.error());
-
-  std::unique_ptr<VideoWriter> writer(new VideoWriter);
+  std::unique_ptr<VideoWriter> writer(new VideoWriter(files));
   writer->ffmpeg_ = *ffmpeg;
   writer->target_ = target;
-  for (fs::path* const file : {&writer->video_only_, &writer->muxed_}) {
-    auto temporary = create_temporary(target);
-    if (!temporary) return tl::unexpected(temporary.error());
-    *file = std::move(*temporary);
-  }
+  auto muxed = files.add(target);
+  if (!muxed) return tl::unexpected(muxed.error());
+  writer->muxed_ = std::move(*muxed);
+  auto video_only = files.add_scratch(target);
+  if (!video_only) return tl::unexpected(video_only.error());
+  writer->video_only_ = std::move(*video_only);
   // A socket rather than a pipe: when the encoder dies, writing to a pipe raises SIGPIPE in the host.
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
@@ -84,10 +97,7 @@ Result<std::unique_ptr<VideoWriter>> VideoWriter::create(const fs::path& target,
 
 VideoWriter::~VideoWriter() {
   if (socket_ >= 0) close(socket_);
-  encoder_.reset();  // before its file is removed
-  std::error_code ignored;
-  fs::remove(video_only_, ignored);
-  fs::remove(muxed_, ignored);
+  encoder_.reset();  // before the set removes its file
 }
 
 Result<void> VideoWriter::add(const Image8& frame) {
@@ -97,31 +107,33 @@ Result<void> VideoWriter::add(const Image8& frame) {
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) {
       const auto ended = encoder_->wait();
-      return fail(target_.string(),
-                  "the video encoder stopped" + (ended ? "" : ": " + ended.error().message()),
-                  "is the disk full?");
+      return encoder_error(target_, "the video encoder stopped", ended);
     }
     sent += std::size_t(n);
   }
   return {};
 }
 
-Result<void> VideoWriter::finish(const fs::path& wav) {
+Result<fs::path> VideoWriter::finish(const fs::path& wav) {
   close(socket_);
   socket_ = -1;
   if (auto encoded = encoder_->wait(); !encoded)
-    return fail(target_.string(), "the video encoder failed: " + encoded.error().message(),
-                "is the disk full?");
+    return encoder_error(target_, "the video encoder failed", encoded);
   auto joining = Process::start(
       ffmpeg_, {"-v", "error", "-y", "-i", video_only_.string(), "-i", wav.string(), "-c:v", "copy", "-c:a",
                 "aac", "-b:a", "192k", "-movflags", "+faststart", muxed_.string()});
   if (!joining) return tl::unexpected(joining.error());
   if (auto joined = joining->wait(); !joined)
-    return fail(target_.string(), "muxing picture and sound failed: " + joined.error().message());
-  std::error_code error;
-  fs::rename(muxed_, target_, error);
-  if (error) return fail(target_.string(), "cannot be replaced: " + error.message());
-  return {};
+    return encoder_error(target_, "muxing picture and sound failed", joined);
+  return muxed_;
+}
+
+Result<fs::path> VideoWriter::finish(std::span<const float> stereo, int sample_rate) {
+  const auto wav = files_.add_scratch(fs::path(target_).concat(".wav"));
+  if (!wav) return tl::unexpected(wav.error());
+  if (auto filled = sound::fill_wav(*wav, target_, stereo, sample_rate, {.channels = 2}); !filled)
+    return tl::unexpected(filled.error());
+  return finish(*wav);
 }
 
 }  // namespace intaglio::session

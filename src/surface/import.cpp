@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/file.h"
+#include "core/output_files.h"
 #include "core/text.h"
 #include "surface/fuse.h"
 #include "surface/image/image_file.h"
@@ -411,9 +412,13 @@ Result<TextureFiles> find_texture_files(const fs::path& path) {
 }
 
 Result<void> write_texture_files(const Imported& imported, const std::filesystem::path& folder) {
-  if (auto written = write_file(folder / "relief.png", encode_png(relief_image(imported.texels))); !written)
+  OutputFiles files;
+  if (auto written = files.write(folder / "relief.png", encode_png(relief_image(imported.texels))); !written)
     return written;
-  return write_file(folder / "color.png", encode_png(colour_image(imported.texels.colour)));
+  if (auto written = files.write(folder / "color.png", encode_png(colour_image(imported.texels.colour)));
+      !written)
+    return written;
+  return files.commit();
 }
 
 }  // namespace intaglio::surface

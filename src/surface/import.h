@@ -88,7 +88,7 @@ bool name_says_directx(const std::filesystem::path& path);
 
 // Writes an imported texture as the two files that `--surface` reads: `folder`/relief.png (16-bit RGBA:
 // normals +Y in RGB, depth in alpha, 0 = top; RGB without depth) and `folder`/color.png. Reading them back
-// detects the same conventions and the same full depth.
+// detects the same conventions and the same full depth. Both appear together, or the old ones stay.
 Result<void> write_texture_files(const Imported& imported, const std::filesystem::path& folder);
 
 }  // namespace intaglio::surface

@@ -21,22 +21,6 @@ TEST_CASE("what is written is read back, and nothing else is left behind") {
   CHECK(std::distance(fs::directory_iterator(folder.path / "deep"), fs::directory_iterator()) == 1);
 }
 
-TEST_CASE("two writers of one file get separate temporaries, and existing files and links are left alone") {
-  const tests::TemporaryFolder folder;
-  const fs::path target = folder.path / "x.wav";
-  REQUIRE(write_file(folder.path / "x.part.wav", "mine"));
-  const auto one = create_temporary(target), other = create_temporary(target);
-  REQUIRE(one);
-  REQUIRE(other);
-  CHECK(*one != *other);
-  CHECK(one->extension() == ".wav");
-  CHECK(fs::exists(*one));
-  REQUIRE(write_file(target, "new"));
-  CHECK(read_file(folder.path / "x.part.wav")->size() == 4);
-  CHECK(std::distance(fs::directory_iterator(folder.path), fs::directory_iterator()) == 4);
-  CHECK_FALSE(create_temporary(folder.path / "none" / "x"));
-}
-
 TEST_CASE("a missing file names the nearest one") {
   const tests::TemporaryFolder folder;
   REQUIRE(write_file(folder.path / "brick.png", "x"));

@@ -3,10 +3,9 @@
 #include <sndfile.h>
 
 #include <fmt/format.h>
-#include <memory>
-#include <system_error>
 
-#include "core/file.h"
+#include <cerrno>
+#include <string>
 
 namespace intaglio::sound {
 
@@ -28,28 +27,35 @@ int file_format(WavFormat format) {
   return SF_FORMAT_WAV | SF_FORMAT_PCM_24;
 }
 
-// Returns an error text, or an empty string.
-std::string write_all(const fs::path& temporary, std::span<const float> samples, SF_INFO info) {
+Result<void> write_all(const fs::path& temporary, const fs::path& path, std::span<const float> samples,
+                       SF_INFO info) {
+  // libsndfile's own error does not say why the system refused; errno does.
+  const auto failed = [&](const char* reason) -> Result<void> {
+    if (errno != 0) return tl::unexpected(write_error(path, errno));
+    return fail(path.string(), std::string("cannot be written: ") + reason);
+  };
+  errno = 0;
   SNDFILE* const file = sf_open(temporary.c_str(), SFM_WRITE, &info);
-  if (!file) return sf_strerror(nullptr);
+  if (!file) return failed(sf_strerror(nullptr));
   sf_command(file, SFC_SET_CLIPPING, nullptr, SF_TRUE);
   // The PEAK chunk of a float file would contain a timestamp.
   sf_command(file, SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);
   double compression = 0.7;  // MP3 only: about 60 kbit/s per channel
   sf_command(file, SFC_SET_COMPRESSION_LEVEL, &compression, sizeof compression);
   const auto count = sf_count_t(samples.size()) / info.channels;
-  std::string reason;
-  if (sf_writef_float(file, samples.data(), count) != count) reason = sf_strerror(file);
+  errno = 0;
+  Result<void> written;
+  if (sf_writef_float(file, samples.data(), count) != count) written = failed(sf_strerror(file));
+  if (written) errno = 0;
   const int closed = sf_close(file);  // a full disk is often noticed only here
-  if (reason.empty() && closed != 0) reason = sf_error_number(closed);
-  return reason;
+  if (written && closed != 0) written = failed(sf_error_number(closed));
+  return written;
 }
 
 }  // namespace
 
-Result<void> write_wav(const fs::path& path, std::span<const float> samples, int sample_rate,
-                       const WavOptions& options) {
-  if (auto writable = check_writable(path); !writable) return writable;
+Result<void> fill_wav(const fs::path& temporary, const fs::path& path, std::span<const float> samples,
+                      int sample_rate, const WavOptions& options) {
   if (sample_rate <= 0)
     return fail(path.string(), fmt::format("sample rate {} Hz is out of range", sample_rate),
                 "44100 is usual");
@@ -57,21 +63,24 @@ Result<void> write_wav(const fs::path& path, std::span<const float> samples, int
   info.channels = options.channels;
   info.samplerate = sample_rate;
   info.format = file_format(options.format);
-  const auto made = create_temporary(path);
-  if (!made) return tl::unexpected(made.error());
-  const fs::path& temporary = *made;
-  std::error_code error;
-  if (const std::string reason = write_all(temporary, samples, info); !reason.empty()) {
-    fs::remove(temporary, error);
-    return fail(path.string(), "writing failed: " + reason, "is the disk full?");
-  }
-  fs::rename(temporary, path, error);
-  if (error) {
-    std::error_code ignored;
-    fs::remove(temporary, ignored);
-    return fail(path.string(), "cannot be replaced: " + error.message());
-  }
-  return {};
+  return write_all(temporary, path, samples, info);
+}
+
+Result<fs::path> add_wav(OutputFiles& files, const fs::path& path, std::span<const float> samples,
+                         int sample_rate, const WavOptions& options) {
+  auto temporary = files.add(path);
+  if (!temporary) return temporary;
+  if (auto filled = fill_wav(*temporary, path, samples, sample_rate, options); !filled)
+    return tl::unexpected(filled.error());
+  return temporary;
+}
+
+Result<void> write_wav(const fs::path& path, std::span<const float> samples, int sample_rate,
+                       const WavOptions& options) {
+  OutputFiles files;
+  if (const auto added = add_wav(files, path, samples, sample_rate, options); !added)
+    return tl::unexpected(added.error());
+  return files.commit();
 }
 
 }  // namespace intaglio::sound

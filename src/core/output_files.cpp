@@ -1,0 +1,370 @@
+#include "core/output_files.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "core/hash.h"
+
+namespace intaglio {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::string_view temporary_mark = ".intaglio-", temporary_part = ".part";
+constexpr std::size_t digits_random = 8, digits_check = 4;
+constexpr std::size_t longest_name = 190, longest_extension = 20;  // of 255 bytes that a name may have
+
+// As much of a target's name as a temporary's has room for; UTF-8 is not cut within a character.
+std::string name_in_temporary(const std::string& target) {
+  if (target.size() <= longest_name) return target;
+  std::size_t size = longest_name;
+  while (size > 0 && (std::uint8_t(target[size]) & 0xc0) == 0x80) --size;
+  return target.substr(0, size);
+}
+
+std::string temporary_name(const std::string& name, const std::string& random, const std::string& extension) {
+  Hash hash;
+  for (const std::string* part : {&name, &random, &extension}) hash.add(std::string_view(*part));
+  const std::uint64_t mixed = hash.value() ^ (hash.value() >> 32);
+  return fmt::format(".{}{}{}{:04x}{}{}", name, temporary_mark, random, (mixed ^ (mixed >> 16)) & 0xffff,
+                     temporary_part, extension);
+}
+
+// The target's name in a temporary's, or an empty one where `name` is not a temporary's of ours.
+std::string target_of(const std::string& name) {
+  const std::size_t mark = name.rfind(temporary_mark);
+  if (mark == std::string::npos || mark < 2) return "";
+  const std::size_t random = mark + temporary_mark.size();
+  const std::size_t end = random + digits_random + digits_check + temporary_part.size();
+  if (end > name.size()) return "";
+  const std::string target = name.substr(1, mark - 1);
+  const bool is_ours = name == temporary_name(target, name.substr(random, digits_random), name.substr(end));
+  return is_ours ? target : "";
+}
+
+bool is_same_file(int descriptor, const fs::path& path) {
+  struct stat opened {
+  }, named{};
+  return fstat(descriptor, &opened) == 0 && lstat(path.c_str(), &named) == 0 && S_ISREG(named.st_mode) &&
+         opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
+}
+
+// Removes a temporary unless its process lives. Never waits, whatever is at that name.
+void remove_if_stale(const fs::path& temporary) {
+  struct stat found {};
+  if (lstat(temporary.c_str(), &found) != 0 || !S_ISREG(found.st_mode) || found.st_uid != geteuid()) return;
+  const int file = open(temporary.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (file < 0) return;
+  // Held while the name is removed: a process that has just created the file but not locked it yet finds it
+  // locked or gone, and takes another name.
+  if (flock(file, LOCK_EX | LOCK_NB) == 0 && is_same_file(file, temporary)) unlink(temporary.c_str());
+  close(file);
+}
+
+// Those of one target, or with an empty name all.
+void remove_stale_of(const fs::path& folder, const std::string& target) {
+  std::error_code error;
+  std::vector<fs::path> found;
+  for (auto at = fs::directory_iterator(folder, error); !error && at != fs::end(at); at.increment(error)) {
+    const std::string of = target_of(at->path().filename().string());
+    if (!of.empty() && (target.empty() || of == name_in_temporary(target))) found.push_back(at->path());
+  }
+  for (const fs::path& temporary : found) remove_if_stale(temporary);
+}
+
+// The file that `name` leads to, which may not exist yet. The kernel follows the links first, so that those
+// which it refuses to follow (of other users in a shared folder) are refused here too.
+Result<fs::path> follow_links(const fs::path& name) {
+  struct stat target {};
+  if (stat(name.c_str(), &target) != 0 && errno != ENOENT && errno != ENOTDIR)
+    return fail(name.string(), std::string("cannot be written: ") + std::strerror(errno),
+                "name another file");
+  fs::path path = name;
+  std::error_code error;
+  for (int links = 0; fs::is_symlink(fs::symlink_status(path, error)); ++links) {
+    const fs::path next = fs::read_symlink(path, error);
+    if (error || links >= 40)
+      return fail(name.string(), "is a symbolic link that leads nowhere", "name a file");
+    path = path.parent_path() / next;
+  }
+  return path;
+}
+
+Result<void> check_target(const fs::path& name) {
+  if (!name.has_filename())
+    return fail(name.empty() ? "\"\"" : name.string(), "is not a file name", "name a file");
+  struct stat target {};
+  if (stat(name.c_str(), &target) != 0) return {};
+  if (S_ISDIR(target.st_mode)) return fail(name.string(), "is a folder", "name a file");
+  if (!S_ISREG(target.st_mode)) return fail(name.string(), "is a device or pipe, not a file", "name a file");
+  if (faccessat(AT_FDCWD, name.c_str(), W_OK, AT_EACCESS) != 0)
+    return fail(name.string(), "is read-only", "make it writable, or name another file");
+  return {};
+}
+
+Result<void> make_folder(const fs::path& name, const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error)
+    return fail(name.string(), "cannot create its folder: " + error.message(), "choose a writable location");
+  return {};
+}
+
+std::optional<std::string> random_digits() {
+  std::uint32_t number = 0;
+  if (getrandom(&number, sizeof number, 0) != sizeof number) return std::nullopt;
+  return fmt::format("{:08x}", number);
+}
+
+// A new file that only this process has, locked: its path and descriptor, or an errno.
+tl::expected<std::pair<fs::path, int>, int> create_temporary(const fs::path& target, mode_t mode) {
+  const std::string name = name_in_temporary(target.filename().string());
+  std::string extension = target.extension().string();
+  if (extension.size() > longest_extension) extension.clear();
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    const auto random = random_digits();
+    if (!random) return tl::unexpected(errno);
+    const fs::path path = target.parent_path() / temporary_name(name, *random, extension);
+    const int file = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode);
+    if (file < 0 && errno == EEXIST) continue;
+    if (file < 0) return tl::unexpected(errno);
+    // A file system without locks has no stale temporaries either: none can be known as such.
+    const bool is_taken = flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    if (!is_taken && is_same_file(file, path)) return std::pair(path, file);
+    close(file);  // another process took it for a stale one before it was locked
+  }
+  return tl::unexpected(EEXIST);
+}
+
+// The folders of a set, locked while its files are renamed. A lock that somebody else holds for long, such as
+// a script by flock(1), must not stop us: then two sets might mix, but no file is torn.
+class LockedFolders {
+ public:
+  LockedFolders(std::vector<fs::path> folders, bool lock) {
+    std::sort(folders.begin(), folders.end());  // one order for all processes, so that none waits for another
+    folders.erase(std::unique(folders.begin(), folders.end()), folders.end());
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(2);
+    for (const fs::path& folder : folders) {
+      const int opened = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+      if (opened < 0) continue;
+      opened_.push_back(opened);
+      while (lock && flock(opened, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK &&
+             std::chrono::steady_clock::now() < end)
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+  }
+  LockedFolders(const LockedFolders&) = delete;
+  LockedFolders& operator=(const LockedFolders&) = delete;
+  ~LockedFolders() {
+    for (const int folder : opened_) close(folder);
+  }
+  // Failing means that a power cut may still undo the renames; the files are in place, so it is no error.
+  void flush() const {
+    for (const int folder : opened_) fsync(folder);
+  }
+
+ private:
+  std::vector<int> opened_;
+};
+
+bool exchange(const fs::path& a, const fs::path& b) {
+  return renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0;
+}
+
+}  // namespace
+
+Error write_error(const fs::path& path, int reason) {
+  if (reason == ENOSPC) return {path.string(), "disk full", "free some space, or write to another disk"};
+  if (reason == EDQUOT)
+    return {path.string(), "disk full: your quota is used up", "free some space, or write to another disk"};
+  if (reason == EFBIG)
+    return {path.string(), "is larger than a file may be here", "see ulimit -f and the file system's limit"};
+  if (reason == EMFILE)
+    return {path.string(), "too many files are open", "raise the limit (ulimit -n), or write fewer files"};
+  return {path.string(), std::string("cannot be written: ") + std::strerror(reason),
+          "choose a writable location"};
+}
+
+void remove_stale_temporaries(const fs::path& folder) {
+  remove_stale_of(folder.empty() ? fs::path(".") : folder, "");
+}
+
+OutputFiles::~OutputFiles() {
+  clear();
+}
+
+// Removes what is at the temporaries' names, except old files that could not be put back.
+void OutputFiles::clear() {
+  for (const File& file : files_) {
+    if (file.state == State::written && is_same_file(file.descriptor, file.temporary))
+      unlink(file.temporary.c_str());
+    close(file.descriptor);
+    if (file.old >= 0) close(file.old);
+  }
+  files_.clear();
+}
+
+Result<OutputFiles::File> OutputFiles::create(const fs::path& target, bool is_scratch) {
+  Result<fs::path> followed = target;
+  if (!is_scratch) {
+    if (auto checked = check_target(target); !checked) return tl::unexpected(checked.error());
+    followed = follow_links(target);
+    if (!followed) return tl::unexpected(followed.error());
+  }
+  const fs::path folder = followed->has_parent_path() ? followed->parent_path() : fs::path(".");
+  if (auto made = make_folder(target, folder); !made) return tl::unexpected(made.error());
+  std::error_code error;
+  const fs::path absolute = fs::canonical(folder, error);
+  if (error) return tl::unexpected(write_error(target, error.value()));
+  File file;
+  file.name = target;
+  file.target = absolute / followed->filename();
+  file.is_scratch = is_scratch;
+  for (const File& other : files_) {
+    if (!is_scratch && !other.is_scratch && other.target == file.target)
+      return fail(target.string(), "is the same file as " + other.name.string(), "name different files");
+  }
+  remove_stale_of(absolute, file.target.filename().string());
+  struct stat old {};
+  if (!is_scratch && lstat(file.target.c_str(), &old) == 0)
+    file.kept = {old.st_mode & 07777, old.st_uid, old.st_gid};
+  // Until commit() nobody else reads what may be a secret file's new content.
+  const auto temporary = create_temporary(file.target, file.kept ? 0600 : 0666);
+  if (!temporary) return tl::unexpected(write_error(target, temporary.error()));
+  std::tie(file.temporary, file.descriptor) = *temporary;
+  return file;
+}
+
+Result<fs::path> OutputFiles::keep(Result<File> file) {
+  if (!file) return tl::unexpected(file.error());
+  files_.push_back(std::move(*file));
+  return files_.back().temporary;
+}
+
+Result<fs::path> OutputFiles::add(const fs::path& target) {
+  return keep(create(target, false));
+}
+
+Result<fs::path> OutputFiles::add_scratch(const fs::path& target) {
+  return keep(create(target, true));
+}
+
+Result<void> OutputFiles::write(const fs::path& target, std::span<const std::uint8_t> bytes) {
+  if (const auto added = add(target); !added) return tl::unexpected(added.error());
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(files_.back().descriptor, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return tl::unexpected(write_error(target, count < 0 ? errno : ENOSPC));
+    bytes = bytes.subspan(std::size_t(count));
+  }
+  return {};
+}
+
+Result<void> OutputFiles::write(const fs::path& target, std::string_view text) {
+  return write(target, std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+}
+
+// Gives the new file the old one's permissions and writes it through to the disk.
+Result<void> OutputFiles::flush(const File& file) {
+  if (!is_same_file(file.descriptor, file.temporary))
+    return fail(file.name.string(), "its temporary file was removed or replaced by another program",
+                "run it again");
+  if (file.kept) {
+    // Only root may give a file away; everyone else's own files are theirs already.
+    struct stat now {};
+    if (fstat(file.descriptor, &now) == 0 &&
+        (now.st_uid != file.kept->user || now.st_gid != file.kept->group))
+      (void)!fchown(file.descriptor, file.kept->user, file.kept->group);
+    if (fchmod(file.descriptor, file.kept->mode) != 0) return tl::unexpected(write_error(file.name, errno));
+  }
+  if (fsync(file.descriptor) != 0) return tl::unexpected(write_error(file.name, errno));
+  return {};
+}
+
+Result<void> OutputFiles::put_in_place(File& file, bool is_alone) {
+  const auto no_file = [&] {
+    return fail(file.name.string(), "is no longer a file: another program has replaced it", "run it again");
+  };
+  struct stat found {};
+  if (lstat(file.target.c_str(), &found) == 0 && !S_ISREG(found.st_mode)) return no_file();
+  if (!is_alone) {
+    // Locked like a temporary, because it takes a temporary's name for a moment.
+    if (file.old < 0) file.old = open(file.target.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    if (file.old >= 0) (void)flock(file.old, LOCK_EX | LOCK_NB);
+    if (exchange(file.temporary, file.target)) {
+      file.state = State::replaced;
+      if (lstat(file.temporary.c_str(), &found) == 0 && S_ISREG(found.st_mode)) return {};
+      if (exchange(file.temporary, file.target)) file.state = State::written;
+      return no_file();
+    }
+    const bool can_rename = errno == ENOENT || errno == EINVAL || errno == ENOSYS || errno == EOPNOTSUPP;
+    if (!can_rename) return tl::unexpected(write_error(file.name, errno));
+  }
+  if (std::rename(file.temporary.c_str(), file.target.c_str()) != 0)
+    return tl::unexpected(write_error(file.name, errno));
+  file.state = State::placed;
+  return {};
+}
+
+// Puts the old files back, the last one first. Returns what could not be undone, for the error.
+std::string OutputFiles::undo() {
+  std::string failed;
+  for (auto file = files_.rbegin(); file != files_.rend(); ++file) {
+    if (file->state == State::written) continue;
+    // A file that was not there before is taken away; one that no exchange could replace stays new.
+    const bool was_replaced = file->state == State::placed && file->kept;
+    const bool is_undone =
+        !was_replaced &&
+        (file->state == State::replaced ? exchange(file->temporary, file->target)
+                                        : std::rename(file->target.c_str(), file->temporary.c_str()) == 0);
+    if (is_undone) {
+      file->state = State::written;
+    } else {
+      failed += fmt::format("; {} is new already", file->name.string());
+      if (file->state == State::replaced)
+        failed += fmt::format(", its old content is in {}", file->temporary.string());
+    }
+  }
+  return failed;
+}
+
+Result<void> OutputFiles::commit() {
+  std::vector<fs::path> folders;
+  for (const File& file : files_) {
+    if (file.is_scratch) continue;
+    if (auto flushed = flush(file); !flushed) return flushed;
+    folders.push_back(file.target.parent_path());
+  }
+  const bool is_alone = folders.size() == 1;
+  const LockedFolders locked(std::move(folders), !is_alone);
+  for (File& file : files_) {
+    if (file.is_scratch) continue;
+    if (auto placed = put_in_place(file, is_alone); !placed) {
+      placed.error().what += undo();
+      return placed;
+    }
+  }
+  for (File& file : files_) {
+    if (file.state == State::replaced) unlink(file.temporary.c_str());
+  }
+  locked.flush();
+  clear();
+  return {};
+}
+
+}  // namespace intaglio
