@@ -110,6 +110,19 @@ SCRIPT
 check "dropped images: good ones are the floor, bad ones are said and the window goes on" \
   report dropping "r['gl_errors'] == 0 and any('broken.png' in m for m in r['messages']) and any('none.png' in m for m in r['messages'])"
 
+# A recording whose window is killed leaves hidden temporaries, which the next recording removes.
+hidden() { find "$work" -maxdepth 1 -name '.*.intaglio-*.part.*'; }
+printf '0.1 key F9\n100 quit\n' >"$work/killed.events"
+"$intaglio" run --fresh --audio null --width 320 --height 180 --script "$work/killed.events" --record-to "$work" >"$work/killed.txt" 2>&1 &
+killed=$!
+for _ in $(seq 300); do
+  [ "$(hidden | wc -l)" -lt 2 ] || break
+  sleep 0.1
+done
+kill -KILL $killed
+wait $killed 2>/dev/null
+check "a killed recording leaves temporaries only" [ "$(hidden | wc -l)" -eq 2 -a -z "$(ls "$work" | grep mp4)" ]
+
 play recording --fresh <<SCRIPT
 0.1 key F9
 1.0 resize 400 300
@@ -120,7 +133,7 @@ SCRIPT
 check "a recording through a resize" report recording "r['gl_errors'] == 0 and any(w.endswith('.mp4') for w in r['written'])"
 video=$(ls "$work"/*.mp4 2>/dev/null | head -1)
 check "the video has picture and sound in stereo" [ "$(ffprobe -v error -show_entries stream=codec_name,channels -of csv=p=0 "$video" 2>/dev/null | sort | tr '\n' ' ')" = "aac,2 h264 " ]
-check "no leftovers of the recording" [ -z "$(ls "$work" | grep -E '[.]part[.]|recording.wav|tmp')" ]
+check "no leftovers of either recording" [ -z "$(ls -A "$work" | grep -E '[.]part[.]|recording.wav|tmp')" ]
 
 if [ -w /dev/full ]; then
   mkdir "$work/bin"
