@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# What the command writes: files that belong together are all new or all old, users' files are left alone, links are followed, and what a
-# killed command left is removed by the next.   outputs.sh INTAGLIO SOURCE_DIR
+# Results that the command writes: files that belong together are all new or all old, users' files are left alone, links are followed,
+# and leftovers of a killed command are removed by the next.   outputs.sh INTAGLIO SOURCE_DIR
 set -uo pipefail
 intaglio=$1
 source=$2
