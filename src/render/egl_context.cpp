@@ -13,6 +13,9 @@ namespace {
 constexpr const char* where = "EGL";
 
 Result<EGLDisplay> open_display() {
+  // Without this test epoxy would abort the process.
+  if (!epoxy_has_egl())
+    return fail(where, "libEGL.so.1 is not installed", "install libegl1 and libgl1-mesa-dri");
   // Client extensions are listed only while no display exists, and only the EXT entry point resolves then.
   if (!epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless")) {
     return fail(where, "the surfaceless platform is missing",

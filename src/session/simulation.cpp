@@ -65,15 +65,16 @@ Simulation::Simulation(const scene::Scene& scene, const scene::SceneSurface& sur
 }
 
 Result<std::unique_ptr<Simulation>> Simulation::create(const scene::Scene& scene,
-                                                       const scene::SceneSurface& surface) {
+                                                       const scene::SceneSurface& surface,
+                                                       const scene::VoiceOptions& voices) {
   std::unique_ptr<Simulation> simulation(new Simulation(scene, surface));
-  if (auto baked = simulation->bake(); !baked) return tl::unexpected(baked.error());
+  if (auto baked = simulation->bake(voices); !baked) return tl::unexpected(baked.error());
   return simulation;
 }
 
-Result<void> Simulation::bake() {
+Result<void> Simulation::bake(const scene::VoiceOptions& options) {
   const std::int64_t start = process_cpu_ns();
-  auto voices = scene::bake_voices(scene_, scene_surface_);
+  auto voices = scene::bake_voices(scene_, scene_surface_, options);
   if (!voices) return tl::unexpected(voices.error());
   recording_.voices = std::move(voices->voices);
   synthesizer_ =

@@ -33,9 +33,10 @@ struct Snapshot {
 
 class Simulation {
  public:
-  // Bakes the modal models (seconds).
+  // Bakes the modal models (seconds) that are not in the folders of `voices`.
   static Result<std::unique_ptr<Simulation>> create(const scene::Scene& scene,
-                                                    const scene::SceneSurface& surface);
+                                                    const scene::SceneSurface& surface,
+                                                    const scene::VoiceOptions& voices = {});
 
   // Runs everything due up to and including frame `index`, and returns the poses at that time.
   Snapshot advance_to_frame(std::int64_t index);
@@ -47,7 +48,7 @@ class Simulation {
  private:
   Simulation(const scene::Scene& scene, const scene::SceneSurface& surface);
 
-  Result<void> bake();
+  Result<void> bake(const scene::VoiceOptions& options);
   void run_until(Ticks end);
   void step_physics();
   void step_servo();

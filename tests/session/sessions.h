@@ -8,7 +8,9 @@
 #include <thread>
 
 #include "scene/scene_reader.h"
+#include "scene/voices/voices.h"
 #include "session/live_session.h"
+#include "tests/temporary_folder.h"
 
 namespace intaglio::tests {
 
@@ -16,6 +18,12 @@ inline scene::Scene parsed(const std::string& text) {
   auto scene = scene::parse_scene(text, "s.toml");
   REQUIRE_MESSAGE(scene, (scene ? "" : scene.error().message()));
   return *scene;
+}
+
+// Models of one shape and material are baked once by a test program, not once by a session.
+inline scene::VoiceOptions cached_models() {
+  static const TemporaryFolder folder;
+  return {.cache = folder.path};
 }
 
 // Waits, for at most ten seconds, until the state is as wanted.

@@ -10,6 +10,7 @@
 #include "intaglio/representation.h"
 #include "session/simulation.h"
 #include "tests/sampling.h"
+#include "tests/session/sessions.h"
 
 using namespace intaglio;
 using namespace intaglio::scene;
@@ -50,7 +51,7 @@ SceneSurface grating(double wavelength, double depth) {
 }
 
 Recording run(const Scene& scene, const SceneSurface& surface) {
-  auto simulation = Simulation::create(scene, surface);
+  auto simulation = Simulation::create(scene, surface, tests::cached_models());
   REQUIRE(simulation);
   (*simulation)->finish();
   return std::move((*simulation)->recording());

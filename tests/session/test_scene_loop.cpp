@@ -61,7 +61,7 @@ struct HeldDevice : haptics::Device {
 };
 
 Recording simulated(const Scene& scene, const SceneSurface& surface) {
-  auto simulation = Simulation::create(scene, surface);
+  auto simulation = Simulation::create(scene, surface, tests::cached_models());
   REQUIRE_MESSAGE(simulation, (simulation ? "" : simulation.error().message()));
   (*simulation)->finish();
   return std::move((*simulation)->recording());

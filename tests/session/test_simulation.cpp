@@ -19,7 +19,7 @@ Recording recording_of(const std::string& text) {
   scene.sound.modes = 30;
   auto surface = make_surface(scene);
   REQUIRE(surface);
-  auto simulation = Simulation::create(scene, *surface);
+  auto simulation = Simulation::create(scene, *surface, tests::cached_models());
   REQUIRE(simulation);
   (*simulation)->advance_to_frame(3);
   (*simulation)->finish();
