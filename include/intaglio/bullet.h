@@ -26,7 +26,6 @@
 #include <limits>
 #include <memory>
 
-#include "intaglio/contact_point.h"
 #include "intaglio/error.h"
 #include "intaglio/mesh.h"
 #include "intaglio/representation.h"

@@ -19,6 +19,7 @@
 #include "intaglio/representation.h"
 #include "intaglio/shape.h"
 #include "intaglio/surface.h"
+#include "intaglio/vec.h"
 
 namespace intaglio {
 

@@ -19,17 +19,16 @@
 // stiffness.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "intaglio/error.h"
-#include "intaglio/mesh.h"
 #include "intaglio/representation.h"
 #include "intaglio/surface.h"
 #include "intaglio/vec.h"

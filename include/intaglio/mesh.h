@@ -12,11 +12,12 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <string>
 #include <utility>
 
+#include "intaglio/error.h"
 #include "intaglio/surface.h"
 #include "intaglio/triangle_mesh.h"
+#include "intaglio/vec.h"
 
 namespace intaglio {
 

@@ -22,6 +22,8 @@
 #include "intaglio/mesh.h"
 #include "intaglio/representation.h"
 #include "intaglio/surface.h"
+#include "intaglio/triangle_mesh.h"
+#include "intaglio/vec.h"
 
 namespace intaglio {
 

@@ -6,15 +6,14 @@
 // A handle to immutable data: copies are cheap; any thread. session.h runs it.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "intaglio/error.h"
-#include "intaglio/event.h"
 #include "intaglio/representation.h"
 #include "intaglio/surface.h"
 

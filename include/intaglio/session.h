@@ -22,6 +22,7 @@
 #include "intaglio/error.h"
 #include "intaglio/event.h"
 #include "intaglio/scene.h"
+#include "intaglio/vec.h"
 
 namespace intaglio {
 

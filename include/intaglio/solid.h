@@ -12,6 +12,7 @@
 
 #include "intaglio/error.h"
 #include "intaglio/shape.h"
+#include "intaglio/vec.h"
 
 namespace intaglio {
 

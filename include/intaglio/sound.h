@@ -32,6 +32,7 @@
 #include "intaglio/event.h"
 #include "intaglio/material.h"
 #include "intaglio/surface.h"
+#include "intaglio/vec.h"
 
 namespace intaglio {
 

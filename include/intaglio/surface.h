@@ -14,12 +14,14 @@
 // dz/dy), metres per metre along u and v.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "intaglio/error.h"

@@ -12,6 +12,7 @@
 // Cost of a step: about 3 us a body, and its contacts (docs/contact-bench.md).
 #pragma once
 
+#include <cstddef>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -19,7 +20,6 @@
 #include <variant>
 #include <vector>
 
-#include "intaglio/contact_point.h"
 #include "intaglio/error.h"
 #include "intaglio/event.h"
 #include "intaglio/material.h"
@@ -27,6 +27,7 @@
 #include "intaglio/representation.h"
 #include "intaglio/shape.h"
 #include "intaglio/surface.h"
+#include "intaglio/vec.h"
 
 namespace intaglio {
 
