@@ -1,6 +1,7 @@
 // Text in messages and files: case, printable text, the nearest name, an error within an error, JSON strings.
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <string_view>
 
@@ -17,16 +18,18 @@ std::string printable(std::string text);
 // Levenshtein distance of two words: inserted, deleted and changed letters.
 int edit_distance(const std::string& a, const std::string& b);
 
-// The candidate nearest to `word` in edit distance, for "did you mean". Empty when none is near.
+// The candidate nearest to `word` in edit distance, for "did you mean". Empty when none is near: more than
+// half of the word's letters would have to change, or no letter stays.
 template <class Range>
 std::string nearest_name(const std::string& word, const Range& candidates) {
   std::string best;
-  int best_distance = int(word.size()) / 2 + 2;
+  int best_distance = std::max(1, int(word.size()) / 2) + 1;
   for (const auto& candidate : candidates) {
-    const int distance = edit_distance(word, std::string(candidate));
-    if (distance < best_distance) {
+    const std::string name(candidate);
+    const int distance = edit_distance(word, name);
+    if (distance < best_distance && distance < int(std::max(word.size(), name.size()))) {
       best_distance = distance;
-      best = std::string(candidate);
+      best = name;
     }
   }
   return best;

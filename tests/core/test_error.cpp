@@ -31,3 +31,17 @@ TEST_CASE("a misspelt material names the nearest one") {
   REQUIRE_FALSE(found);
   CHECK(found.error().message().find("did you mean \"brick\"") != std::string::npos);
 }
+
+TEST_CASE("a word that is like none of the names suggests none") {
+  for (const char* word : {"foo", "x", "", "velvet"}) {
+    const auto found = find_material(word);
+    REQUIRE_FALSE(found);
+    CAPTURE(word);
+    CHECK(found.error().message().find("did you mean") == std::string::npos);
+    CHECK(found.error().message().find("known: ceramic") != std::string::npos);
+  }
+  const std::vector<std::string> names{"r", "at", "quit"};
+  CHECK(nearest_name("s", names).empty());
+  CHECK(nearest_name("a", names) == "at");
+  CHECK(nearest_name("qiut", names) == "quit");
+}
