@@ -76,10 +76,13 @@ Result<Surface> Surface::load(const std::filesystem::path& texture, const Surfac
   if (!recipe) return tl::unexpected(recipe.error());
   Impl impl;
   if (*recipe) {
+    const int size = options.generated_size;
+    if (auto checked = surface::check_texture_size(size, "SurfaceOptions::generated_size"); !checked)
+      return tl::unexpected(checked.error());
     const surface::BuiltinMaterial& about = (*recipe)->about;
     impl.material = about.material;
     impl.roughness = about.roughness;
-    surface::Texels texels = surface::to_texels(surface::make_texture(**recipe, options.generated_size));
+    surface::Texels texels = surface::to_texels(surface::make_texture(**recipe, size));
     const double depth = about.depth_fraction * options.size.x();
     if (options.depth) surface::rescale_normals(texels.normal, *options.depth / depth);
     return placed(std::move(impl), std::move(texels), options.depth.value_or(depth), options);

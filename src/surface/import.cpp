@@ -382,7 +382,11 @@ Image8 colour_image(const Image8& colour) {
 Result<Imported> import_texture(const fs::path& path, const ImportOptions& options) {
   const auto recipe = find_recipe(path.string());
   if (!recipe) return tl::unexpected(recipe.error());
-  if (*recipe) return import_recipe(**recipe, options);
+  if (*recipe) {
+    if (auto size = check_texture_size(options.generated_size, path.string()); !size)
+      return tl::unexpected(size.error());
+    return import_recipe(**recipe, options);
+  }
   std::error_code error;
   const auto files = find_texture_files(path);
   if (!files) return tl::unexpected(files.error());

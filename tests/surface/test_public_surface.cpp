@@ -1,7 +1,9 @@
 // intaglio::Surface, as users have it, against what it is made of.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "intaglio/surface.h"
@@ -78,7 +80,32 @@ TEST_CASE("what cannot be a surface is an error that says why") {
   CHECK_FALSE(intaglio::Surface::from_heights(plane_columns + 1, plane_rows, heights));
   CHECK_FALSE(intaglio::Surface::from_heights(plane_columns, plane_rows, heights, {.size = {0, 1}}));
   CHECK_FALSE(intaglio::Surface::load("brick", {.depth = -1.0}));
+  for (const int size : {-1, 0, 5, 63, 8193}) {
+    CAPTURE(size);
+    const auto refused = intaglio::Surface::load("brick", {.generated_size = size});
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().message() == "SurfaceOptions::generated_size: a generated texture cannot have " +
+                                           std::to_string(size) + " texels a side; 64 to 8192 are possible");
+  }
   const auto missing = intaglio::Surface::load("no such texture");
   REQUIRE_FALSE(missing);
   CHECK(missing.error().message().find("no such texture") != std::string::npos);
+}
+
+TEST_CASE(
+    "each name of the list loads; \"brick\" is another name of one of them; a misspelt one is answered") {
+  const auto names = intaglio::builtin_textures();
+  for (const std::string& name : names) CHECK(intaglio::Surface::load(name, {.generated_size = 64}));
+  CHECK(std::count(names.begin(), names.end(), "brick_running") == 1);
+  CHECK(std::count(names.begin(), names.end(), "brick") == 0);
+  const auto alias = intaglio::Surface::load("brick", {.generated_size = 64}),
+             named = intaglio::Surface::load("brick_running", {.generated_size = 64});
+  REQUIRE(alias);
+  REQUIRE(named);
+  CHECK(alias->height({0.3, 0.4}) == named->height({0.3, 0.4}));
+  CHECK(alias->import_report().empty());
+  const auto misspelt = intaglio::Surface::load("bricks");
+  REQUIRE_FALSE(misspelt);
+  CHECK(misspelt.error().message().starts_with(
+      "no built-in texture is called \"bricks\"; did you mean \"brick\"? known: "));
 }

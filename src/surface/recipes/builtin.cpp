@@ -45,11 +45,18 @@ Result<Recipe> find_builtin(std::string_view name) {
   for (const Recipe& recipe : library()) {
     if (recipe.about.name == wanted) return recipe;
   }
-  const std::vector<std::string> names = builtin_names();
+  std::vector<std::string> names = builtin_names();
+  names.push_back("brick");
   const std::string nearest = nearest_name(wanted, names);
-  return fail("", fmt::format("no built-in material is called \"{}\"", wanted),
+  return fail("", fmt::format("no built-in texture is called \"{}\"", wanted),
               fmt::format("{}known: {}", nearest.empty() ? "" : "did you mean \"" + nearest + "\"? ",
                           fmt::join(names, ", ")));
+}
+
+Result<void> check_texture_size(int size, const std::string& where) {
+  if (size >= min_texture_size && size <= max_texture_size) return {};
+  return fail(where, fmt::format("a generated texture cannot have {} texels a side", size),
+              fmt::format("{} to {} are possible", min_texture_size, max_texture_size));
 }
 
 Result<std::optional<Recipe>> find_recipe(const std::string& texture) {

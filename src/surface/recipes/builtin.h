@@ -27,7 +27,7 @@ struct TextureImages {
   Image8 colour;
 };
 
-// The names, in the order of the studies.
+// The names, in the order of the studies; the alias "brick" is not among them.
 std::vector<std::string> builtin_names();
 
 // The built-in recipe of this name ("brick" is brick_running), or an error suggesting the closest name.
@@ -41,7 +41,10 @@ Result<Recipe> parse_recipe(std::string_view text, const std::string& file_name)
 Result<std::optional<Recipe>> find_recipe(const std::string& texture);
 
 // Texels per side.
-inline constexpr int default_texture_size = 512;
+inline constexpr int default_texture_size = 512, min_texture_size = 64, max_texture_size = 8192;
+
+// Whether make_texture takes this size; the error names `where` it is set.
+Result<void> check_texture_size(int size, const std::string& where);
 
 // The images of a recipe, with `size` texels per side, 64 to 8192. The slopes of the normals are for the
 // recipe's depth_fraction.
