@@ -29,15 +29,27 @@ double ModalModel::mass() const {
 int ModalModel::modes() const {
   return impl_->model->modes();
 }
+
+namespace {
+
+bool has_mode(const sound::ModalModel& model, int mode) {
+  return mode >= 0 && mode < model.modes();
+}
+
+}  // namespace
+
 double ModalModel::frequency(int mode) const {
+  if (!has_mode(*impl_->model, mode)) return 0;
   const double omega = impl_->model->angular_frequency[std::size_t(mode)],
                damping = impl_->model->damping[std::size_t(mode)];
   return std::sqrt(omega * omega - damping * damping) / (2 * std::numbers::pi);
 }
 double ModalModel::decay_time(int mode) const {
+  if (!has_mode(*impl_->model, mode)) return 0;
   return std::log(1000.0) / impl_->model->damping[std::size_t(mode)];
 }
 double ModalModel::gain(int mode, const Vec3& point, const Vec3& direction) const {
+  if (!has_mode(*impl_->model, mode)) return 0;
   std::vector<float> gains(std::size_t(mode) + 1);
   impl_->model->gains(point, direction, gains);
   return double(gains.back());

@@ -48,6 +48,20 @@ TEST_CASE("two channels are interleaved") {
   CHECK(info.frames == 2);
 }
 
+TEST_CASE("samples that are not whole frames of all channels are refused, and nothing is written") {
+  const tests::TemporaryFolder folder;
+  const std::vector<float> three{0.5f, -0.5f, 0.25f};
+  for (const int channels : {2, 0, -1, -3}) {
+    CAPTURE(channels);
+    const auto refused = write_wav(folder.path / "a.wav", three, 44'100, {WavFormat::float_32, channels});
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().message().find("3 samples cannot be " + std::to_string(channels) + " channels") !=
+          std::string::npos);
+    CHECK_FALSE(fs::exists(folder.path / "a.wav"));
+  }
+  CHECK(write_wav(folder.path / "a.wav", three, 44'100, {WavFormat::float_32, 3}));
+}
+
 TEST_CASE("a WAV file reads back as it was written, to the precision of its format") {
   const tests::TemporaryFolder folder;
   const fs::path path = folder.path / "new folder" / "a.wav";

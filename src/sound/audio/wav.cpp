@@ -59,6 +59,10 @@ Result<void> fill_wav(const fs::path& temporary, const fs::path& path, std::span
   if (sample_rate <= 0)
     return fail(path.string(), fmt::format("sample rate {} Hz is out of range", sample_rate),
                 "44100 is usual");
+  if (options.channels < 1 || samples.size() % std::size_t(options.channels) != 0)
+    return fail(path.string(),
+                fmt::format("{} samples cannot be {} channels", samples.size(), options.channels),
+                "give every channel as many samples as the others");
   SF_INFO info{};
   info.channels = options.channels;
   info.samplerate = sample_rate;
