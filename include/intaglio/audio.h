@@ -68,8 +68,9 @@ std::vector<std::string> audio_outputs();
 
 enum class WavFormat { pcm_16, pcm_24, float_32 };
 
-// Writes interleaved samples in -1..1, whole or not at all. PCM clips what lies outside. Equal samples give
-// equal files.
+// Writes interleaved samples in -1..1, whole or not at all, and creates missing folders. PCM clips what lies
+// outside. Equal samples give equal files. Errors: samples.size() is not a multiple of `channels`; a place
+// that cannot be written.
 Result<void> write_wav(const std::filesystem::path& path, std::span<const float> samples, int sample_rate,
                        int channels = 1, WavFormat format = WavFormat::pcm_24);
 

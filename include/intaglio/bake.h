@@ -4,9 +4,10 @@
 //   auto model = intaglio::bake(intaglio::Sphere{0.05}, "steel");     // examples/struck_ball.cpp
 //   if (model) model->save("ball.modes");
 //
-// Quadratic finite elements of the free body; seconds to a minute, one core. Any thread, one bake at a time
-// in a process (the solver has global state): calls wait for each other. docs/bake.md says how accurate the
-// models are.
+// Quadratic finite elements of the free body, one core. Solids are fast (a box takes less than a second),
+// shells are slow (BakeOptions::thickness; a crate of 0.2 m takes 52 s). Any thread, one bake at a time in a
+// process (the solver has global state): calls wait for each other. docs/bake.md says how accurate the models
+// are.
 #pragma once
 
 #include <functional>

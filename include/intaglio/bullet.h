@@ -11,12 +11,18 @@
 // principal.
 //
 // Contacts are found anew in each step, ahead of the body along its motion, so that a fast body does not sink
-// in; their impulses are kept by feature, for the solver's warm start. Friction, restitution and rolling
-// friction combine as Bullet's own do. Ray casts and contactTest work. Spheres, boxes, capsules, cylinders,
-// hulls, other convex shapes and compounds of them can touch a surface, and two surfaces can touch each other
-// if one of them moves; docs/dynamics.md says how accurate each pair is. btSdfCollisionShape has the same
-// type number: the two cannot be in one world. One thread at a time, as Bullet itself. Keep the scene within
-// some hundred metres.
+// in; their impulses are kept by feature, for the solver's warm start. Boxes and other bodies that turn need
+// steps of 1/240 s on deep relief: docs/library.md has the measurements. Ray casts and contactTest work.
+// Spheres, boxes, capsules, cylinders, hulls, other convex shapes and compounds of them can touch a surface,
+// and two surfaces can touch each other if one of them moves; docs/dynamics.md says how accurate each pair
+// is. btSdfCollisionShape has the same type number: the two cannot be in one world. One thread at a time, as
+// Bullet itself. Keep the scene within some hundred metres.
+//
+// A shape sets no friction and no restitution: they are the bodies', and Bullet multiplies those of a pair.
+// Material::friction is for a pair the square root of the product, so give each body, the ground too,
+//   body.setFriction(btScalar(std::sqrt(material.friction)));
+//   body.setRestitution(btScalar(material.restitution));
+// with Surface::material() or find_material(). Rolling friction combines as Bullet's own does.
 //
 // The only header of the library that includes Bullet; link intaglio::dynamics and Bullet.
 #pragma once
@@ -53,6 +59,8 @@ struct ShapeOptions {
       std::numeric_limits<double>::infinity();  // m: what is deeper below is behind it, not in it
 };
 
+// Call enable() on the world's dispatcher first: without it Bullet takes this shape for a
+// btSdfCollisionShape, no error is reported, and bodies fall through.
 class SurfaceShape : public btConcaveShape {
  public:
   explicit SurfaceShape(const Surface& surface, const ShapeOptions& options = {});

@@ -24,13 +24,16 @@ struct TexturePlace {
   Vec2 sweep = Vec2::Zero();  // m/s along u and v: how fast the contact moves over it
 };
 
+// A phase belongs to the pair of bodies, not to the point: `begin` for all points of its first step, then
+// `persist`, and one `end`, with impulse 0, in the first step without contact.
 enum class ContactPhase : std::uint8_t { begin, persist, end };
 
 // One step of one contact between `body` and the textured surface of `other`, which may itself be a moving
 // body. `other` may also be a body without a texture: then uv means nothing and both normals are the
-// contact's. SI units, world frame.
+// contact's. SI units, world frame. docs/library.md says how to make events from your own engine's contacts.
 struct ContactEvent {
-  double time = 0;            // s, the instant of the impulse, not of the frame that noticed it
+  // s, the end of the step that gave the impulse. World dates an impact that it resolves a step late back.
+  double time = 0;
   BodyId body = 0;            // the moving body (ball, pen)
   BodyId other = floor_body;  // the textured body
   ContactPhase phase = ContactPhase::begin;
@@ -42,14 +45,17 @@ struct ContactEvent {
   std::optional<TexturePlace> own;  // where on a texture of `body` itself, if it has one there
   Vec3 n_g = Vec3::UnitY();         // normal of the coarse geometry
   Vec3 n_s = Vec3::UnitY();         // normal sampled from the texture, or of the relief feature touched
-  // m/s, velocity of the contact along the coarse surface: of the centre of a ball that rolls, of the body
-  // itself when it slides.
+  // m/s, along the coarse surface (without the part along n_g), relative to `other` at the point: how the
+  // contact moves. World gives the velocity of the body's centre of mass, of a tumbling box as of a ball;
+  // between two round bodies, that of the point between their centres.
   Vec3 v_t = Vec3::Zero();
-  // m/s, what rotation adds to v_t at the body's own surface there: -v_t when it rolls.
+  // m/s, along the coarse surface, what rotation adds to v_t at the body's own surface there: angular
+  // velocity x (point - centre of mass). -v_t when it rolls; v_t + spin is the slip.
   Vec3 spin = Vec3::Zero();
   Vec3 impulse = Vec3::Zero();  // N s, on the body, over the step that ends at `time`
-  double duration = 0;          // s, the length of that step
-  // How long before `time` the surfaces met, s, 0..duration; not-a-number if they touched already.
+  double duration = 0;          // s, the length of that step; above 0
+  // How long before `time` the surfaces met, s, 0..duration; not-a-number if they touched already, or if only
+  // the step is known: then a `begin` sounds in the middle of its step.
   double touch_age = std::numeric_limits<double>::quiet_NaN();
   Pose body_pose;                  // of `body` at `time`
   std::optional<Pose> other_pose;  // of `other`, when that moves

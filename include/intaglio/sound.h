@@ -47,6 +47,8 @@ class ModalModel {
   const std::string& name() const;
   const Material& material() const;
   double mass() const;  // kg
+  // 0 for a body so small and stiff that all its modes are too high to be heard: only its click is. Functions
+  // of a mode that the model has not return 0.
   int modes() const;
   double frequency(int mode) const;   // Hz, damped; ascending
   double decay_time(int mode) const;  // s, T60
@@ -71,7 +73,9 @@ struct SoundBody {
   double mass = 1;                              // kg
   std::vector<Surface> surfaces = {};           // its textures, in the order by which events number them
   bool is_fixed = false;                        // its mass counts as infinite
-  // m, where it touches; flat by default. Relief adds its own curvature.
+  // m, where it touches; flat by default. A ball's is its radius. A box keeps the default: two flat bodies
+  // meet as an edge of 1 cm would. For one that falls on its corners give their rounding (1e-3 for sharp
+  // ones): a smaller radius makes a longer, duller blow. Relief adds its own curvature.
   double radius_of_curvature = std::numeric_limits<double>::infinity();
   Pose rest_pose = {};  // until an event tells where it is
 };
@@ -119,7 +123,8 @@ class Synthesizer {
   ~Synthesizer();
 
   // An event reports the step that ends at event.time and lasts event.duration. Before rendering up to time t
-  // push every event whose step begins before t.
+  // push every event whose step begins before t. docs/sound.md is measured at steps of 1/480 s; longer ones
+  // sound as well, with each blow placed less exactly unless event.touch_age says when it was.
   void push(const ContactEvent& event);
   // The next samples.size() samples, Pa at 1 m.
   void render(std::span<float> samples);

@@ -49,7 +49,7 @@ struct SurfaceOptions {
   // Unset: detected from the images, else by the file's name, else +Y and high.
   std::optional<GreenChannel> green = {};
   std::optional<WhiteMeans> white = {};
-  int generated_size = 512;  // texels a side of a built-in texture or recipe, 64 to 8192
+  int generated_size = 512;  // texels a side of a built-in texture or recipe; an error outside 64 to 8192
 };
 
 // The surface as a probe of a given footprint meets it.
@@ -95,7 +95,7 @@ class Surface {
                                       const SurfaceOptions& options = {});
 
   // The findings of import: conventions, implied depth, warnings; a line each. notes() and warnings() are its
-  // parts.
+  // parts. Empty for built-in textures, recipes and from_heights(), which leave nothing to find.
   std::string import_report() const;
   const std::vector<std::string>& notes() const;
   const std::vector<std::string>& warnings() const;
@@ -138,6 +138,7 @@ class Surface {
   std::shared_ptr<const Impl> impl_;
 };
 
+// The names of the built-in textures. load() also takes "brick", another name of brick_running.
 std::vector<std::string> builtin_textures();
 
 }  // namespace intaglio
