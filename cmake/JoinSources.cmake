@@ -7,9 +7,9 @@ option(INTAGLIO_JOIN "Compile eight source files as one: for whole builds" OFF)
 # that share this build stay fast.
 set(INTAGLIO_FUZZED "src/core/(toml|file)\\.cpp|src/surface/image/.*|src/surface/recipes/recipe_reader\\.cpp|src/mesh/(mesh_file|gltf_.*|triangle_mesh)\\.cpp|src/haptics/haptic_log\\.cpp|src/haptics/vrpn/.*|src/sound/model_file\\.cpp|src/scene/scene.*")
 
-# Highway includes its file once for each kind of processor; Qhull's headers define many macros; in api*.cpp users' names stand beside
+# Highway includes its file once for each kind of processor; Qhull's headers define many macros; in the others users' names stand beside
 # the library's own.
-set(INTAGLIO_NOT_JOINED "src/sound/resonator_kernel\\.cpp|src/contact/polyhedron\\.cpp|src/.*/api[^/]*\\.cpp")
+set(INTAGLIO_NOT_JOINED "src/sound/resonator_kernel\\.cpp|src/contact/polyhedron\\.cpp|src/.*/api[^/]*\\.cpp|tests/sound/test_public_sound\\.cpp")
 
 function(intaglio_join out name)
   set(compiled "")
