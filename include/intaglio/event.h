@@ -32,7 +32,7 @@ enum class ContactPhase : std::uint8_t { begin, persist, end };
 // body. `other` may also be a body without a texture: then uv means nothing and both normals are the
 // contact's. SI units, world frame. docs/library.md says how to make events from your own engine's contacts.
 struct ContactEvent {
-  // s, the end of the step that gave the impulse. World dates an impact that it resolves a step late back.
+  // s, the end of the step that gave the impulse. World dates back an impact that it resolves a step late.
   double time = 0;
   BodyId body = 0;            // the moving body (ball, pen)
   BodyId other = floor_body;  // the textured body
