@@ -118,9 +118,9 @@ int run_serve(const ServeArguments& options, const Common& common) {
   }
   const auto at = parse_ipv4(options.bind, options.port);
   if (!at || !at->loopback())
-    fmt::print(stderr,
-               "intaglio: warning: VRPN has no authentication: anyone who can reach {} can move the device\n",
-               options.bind);
+    print_error(fmt::format(
+        "intaglio: warning: VRPN has no authentication: anyone who can reach {} can move the device\n",
+        options.bind));
   say(fmt::format("serving Phantom0 on {}:{}; stop with Ctrl-C", options.bind, (*server)->port()));
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(options.seconds);
   std::atomic<bool> over{false};
@@ -289,8 +289,8 @@ void print_link(const Printer& printer, const Address& address, const Connection
   const Cookie& cookie = connection.peer_cookie();
   const char* transport = address.tcp_only ? "tcp" : "udp";
   if (cookie.match == CookieMatch::other_minor_version)
-    fmt::print(stderr, "intaglio: warning: {} uses VRPN {}; this client uses 07.38\n", address.text(),
-               cookie.version);
+    print_error(fmt::format("intaglio: warning: {} uses VRPN {}; this client uses 07.38\n", address.text(),
+                            cookie.version));
   if (printer.json()) {
     printer.line("link", fmt::format("\"device\": {}, \"transport\": \"{}\", \"version\": {}",
                                      json_quoted(address.text()), transport, json_quoted(cookie.version)));
@@ -317,8 +317,8 @@ LinkFault check_answers(const Client& client, const Address& address, bool& warn
   const double unanswered = std::chrono::duration<double>(client.ping_age()).count();
   if (unanswered > warn_after && !warned) {
     warned = true;
-    fmt::print(stderr, "intaglio: warning: {}: no answer for {} s; check the device name \"{}\"\n",
-               address.text(), warn_after, address.name);
+    print_error(fmt::format("intaglio: warning: {}: no answer for {} s; check the device name \"{}\"\n",
+                            address.text(), warn_after, address.name));
   }
   return unanswered > give_up_after ? LinkFault::timed_out : client.fault();
 }

@@ -1,15 +1,21 @@
 // The `intaglio` command: parses the command line and hands over to one verb.
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "command/verb.h"
@@ -19,7 +25,7 @@
 namespace intaglio::app {
 
 int report(const Error& error) {
-  fmt::print(stderr, "intaglio: {}\n", error.message());
+  print_error(fmt::format("intaglio: {}\n", error.message()));
   return 1;
 }
 
@@ -75,6 +81,21 @@ int empty_argument(int argc, char** argv) {
   return 0;
 }
 
+// Opens standard streams that the caller has closed: otherwise the first files that we open would take their
+// numbers, and messages would go into them. Results to a closed standard output fail, as on a full disk.
+void open_closed_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(stream, F_GETFD) != -1) continue;
+    if (stream != STDOUT_FILENO || open("/dev/full", O_WRONLY) != stream) (void)open("/dev/null", O_RDWR);
+  }
+}
+
+// An exit code of 0 promises that all that was printed has arrived.
+int flush_output(int code) {
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
+  return report({"standard output", fmt::format("cannot be written: {}", std::strerror(errno)), ""});
+}
+
 // The error for an unknown command, with the nearest name.
 std::optional<Error> unknown_verb(const CLI::App& app, int argc, char** argv) {
   const CLI::App* at = &app;
@@ -106,6 +127,7 @@ std::optional<Error> unknown_verb(const CLI::App& app, int argc, char** argv) {
 }  // namespace intaglio::app
 
 int main(int argc, char** argv) {
+  intaglio::app::open_closed_streams();
   std::signal(SIGCHLD, SIG_DFL);  // a parent that ignores it would hide how children end
   CLI::App app(
       "Intaglio: one texture decides what is seen, felt, heard and how things move on a surface.\n"
@@ -125,12 +147,12 @@ int main(int argc, char** argv) {
   intaglio::app::add_bake(app, common);
   intaglio::app::add_sound(app, common);
   if (const int empty = intaglio::app::empty_argument(argc, argv); empty > 0) {
-    fmt::print(stderr, "intaglio: argument {} is empty (an unset shell variable?)\n", empty);
+    intaglio::print_error(fmt::format("intaglio: argument {} is empty (an unset shell variable?)\n", empty));
     return 2;
   }
   if (const auto argument = intaglio::app::non_finite_argument(argc, argv)) {
-    fmt::print(stderr, "intaglio: {}: not a finite number (for a file of that name, write ./{})\n", *argument,
-               *argument);
+    intaglio::print_error(fmt::format(
+        "intaglio: {}: not a finite number (for a file of that name, write ./{})\n", *argument, *argument));
     return 2;
   }
   try {
@@ -142,10 +164,15 @@ int main(int argc, char** argv) {
       return 2;
     }
     const int code = app.exit(error);
-    return code == 0 ? 0 : 2;
+    return code == 0 ? intaglio::app::flush_output(0) : 2;
+  } catch (const std::system_error& error) {
+    const bool is_output = std::ferror(stdout) != 0;
+    return intaglio::app::report(
+        {is_output ? "standard output" : "",
+         fmt::format("{}: {}", is_output ? "cannot be written" : "stopped", error.code().message()), ""});
   } catch (const std::exception& error) {
     // Out of memory and the like: still one line, never a crash.
     return intaglio::app::report({"", fmt::format("stopped: {}", error.what()), ""});
   }
-  return common.exit_code;
+  return intaglio::app::flush_output(common.exit_code);
 }

@@ -12,6 +12,7 @@
 
 #include "command/verb.h"
 #include "core/file.h"
+#include "core/text.h"
 #include "core/toml.h"
 #include "report/sound_page.h"
 #include "session/simulation.h"
@@ -101,7 +102,7 @@ int play_live(const std::shared_ptr<const sound::ModalModel>& model, const sound
   auto opened = sound::open_audio_device({options.device});
   if (!opened) return report(opened.error());
   sound::AudioDevice& device = *opened->device;
-  if (!opened->note.empty()) fmt::print(stderr, "intaglio: {}\n", opened->note);
+  if (!opened->note.empty()) print_error(fmt::format("intaglio: {}\n", opened->note));
   sound::LiveSound live({.sample_rate = double(device.sample_rate())}, sound::strike_bodies(model, strike),
                         {.gain_db = options.gain_db});
   live.set_listener({model->points.front() + Vec3::UnitZ(), Vec3::UnitX()});

@@ -61,7 +61,7 @@ struct ShapeOptions {
 
 // Call enable() on the world's dispatcher first: without it Bullet takes this shape for a
 // btSdfCollisionShape, no error is reported, and bodies fall through.
-class SurfaceShape : public btConcaveShape {
+class SurfaceShape final : public btConcaveShape {
  public:
   explicit SurfaceShape(const Surface& surface, const ShapeOptions& options = {});
   explicit SurfaceShape(const CurvedSurface& surface, const ShapeOptions& options = {});

@@ -1,4 +1,5 @@
 #include "core/progress.h"
+#include "core/text.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -19,7 +20,7 @@ Progress::Progress(std::string what, bool quiet)
       last_(start_) {}
 
 Progress::~Progress() {
-  if (!quiet_ && terminal_ && last_fraction_ >= 0) fmt::print(stderr, "\n");
+  if (!quiet_ && terminal_ && last_fraction_ >= 0) print_error("\n");
 }
 
 void Progress::update(double fraction, const std::string& detail) {
@@ -43,7 +44,7 @@ void Progress::draw(double fraction, const std::string& detail) {
   const std::string line =
       fmt::format("{} [{}{}] {:3.0f} %  {}  {}", what_, std::string(std::size_t(full), '#'),
                   std::string(std::size_t(width - full), '.'), 100 * fraction, left, detail);
-  fmt::print(stderr, "{}{}{}", terminal_ ? "\r" : "", line, terminal_ ? "\x1b[K" : "\n");
+  print_error(fmt::format("{}{}{}", terminal_ ? "\r" : "", line, terminal_ ? "\x1b[K" : "\n"));
   std::fflush(stderr);
 }
 

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 
 #include "core/file.h"
@@ -31,9 +33,59 @@ std::string kind(const toml::node& node) {
   }
 }
 
+// The end of the string that begins at text[k], or of its line if it is not closed there.
+std::size_t skip_string(std::string_view text, std::size_t k) {
+  const char quote = text[k];
+  const std::string triple(3, quote);
+  const bool is_multiline = text.substr(k, 3) == triple;
+  for (k += is_multiline ? 3 : 1; k < text.size(); ++k) {
+    if (text[k] == '\\' && quote == '"') {
+      ++k;
+    } else if (!is_multiline && (text[k] == quote || text[k] == '\n')) {
+      return k + 1;
+    } else if (is_multiline && text.substr(k, 3) == triple) {
+      k += 3;
+      for (int extra = 0; extra < 2 && k < text.size() && text[k] == quote; ++extra) ++k;  // belong to it
+      return k;
+    }
+  }
+  return text.size();
+}
+
+// The line of the first dotted key or header of more than `most` parts; 0 if there is none. toml++ descends
+// by recursion, one level for each part, and bounds only nested values (256): 300,000 parts exhaust the
+// stack.
+int line_of_long_key(std::string_view text, int most) {
+  int dots = 0;
+  for (std::size_t k = 0; k < text.size();) {
+    const char c = text[k];
+    if (c == '"' || c == '\'') {
+      k = skip_string(text, k);
+      continue;
+    }
+    if (c == '#') {
+      k = std::min(text.find('\n', k), text.size());
+      continue;
+    }
+    const bool is_in_key = std::isalnum(std::uint8_t(c)) != 0 || c == '_' || c == '-' || c == ' ' ||
+                           c == '\t' || std::uint8_t(c) >= 0x80;
+    if (c == '.') {
+      if (++dots >= most) return 1 + int(std::count(text.begin(), text.begin() + std::ptrdiff_t(k), '\n'));
+    } else if (!is_in_key) {
+      dots = 0;
+    }
+    ++k;
+  }
+  return 0;
+}
+
 }  // namespace
 
 Result<toml::table> parse_toml(std::string_view text, const std::string& name) {
+  constexpr int most_parts = 32;
+  if (const int line = line_of_long_key(text, most_parts); line > 0)
+    return fail(fmt::format("{}:{}", name, line), fmt::format("a key of over {} parts", most_parts),
+                "keys here have at most three: a.b.c");
   toml::parse_result parsed = toml::parse(text, name);
   if (parsed) return std::move(parsed).table();
   const toml::parse_error& error = parsed.error();

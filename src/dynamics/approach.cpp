@@ -54,6 +54,8 @@ Approach::Approach(const btCollisionObjectWrapper& body, const btCollisionObject
 
 namespace {
 
+constexpr double unlimited = std::numeric_limits<double>::infinity();
+
 // The approach's velocity, without what closes a contact c faster than allowed(c), m/s; projected on the
 // planes of the contacts in turn.
 template <class Allowed>
@@ -61,7 +63,9 @@ Vec3 clipped_velocity(const Approach& a, const contact::ContactSet& contacts, co
   Vec3 v = a.velocity;
   for (int round = 0; round < 4; ++round) {
     for (const contact::ContactPoint& c : contacts) {
-      const double excess = -allowed(c) - (v + a.spin.cross(c.point - a.pose.position)).dot(c.normal);
+      const double limit = allowed(c);
+      if (limit == unlimited) continue;
+      const double excess = -limit - (v + a.spin.cross(c.point - a.pose.position)).dot(c.normal);
       if (excess > 0) v += excess * c.normal;
     }
   }
@@ -72,7 +76,7 @@ Vec3 clipped_velocity(const Approach& a, const contact::ContactSet& contacts, co
 
 Vec3 Approach::supported_velocity(const contact::ContactSet& contacts, double slack) const {
   return clipped_velocity(*this, contacts, [&](const contact::ContactPoint& c) {
-    return c.distance <= slack ? 0.0 : std::numeric_limits<double>::infinity();
+    return c.distance <= slack ? 0.0 : unlimited;
   });
 }
 

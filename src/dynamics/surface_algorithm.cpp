@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <typeinfo>
 #include <unordered_map>
 
 #include "dynamics/approach.h"
@@ -35,10 +36,12 @@ bool is_textured(const btCollisionShape& shape) {
   return shape.getShapeType() == CUSTOM_CONCAVE_SHAPE_TYPE;
 }
 
-// The shape that a user's SurfaceShape holds, or one of the world's own.
+// The shape that a user's SurfaceShape holds, or one of the world's own. Asked for each pair and step: a
+// dynamic_cast would take a tenth of a ball's time on a plane. SurfaceShape is final.
 const TexturedShapeBase& textured_shape(const btCollisionShape& shape) {
-  const auto* users = dynamic_cast<const bullet::SurfaceShape*>(&shape);
-  return users != nullptr ? users->impl() : static_cast<const TexturedShapeBase&>(shape);
+  if (typeid(shape) == typeid(bullet::SurfaceShape))
+    return static_cast<const bullet::SurfaceShape&>(shape).impl();
+  return static_cast<const TexturedShapeBase&>(shape);
 }
 
 using Records = std::array<ContactRecord, contact::ContactSet::capacity>;
@@ -90,9 +93,12 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
     const double slack = 0.01 * std::min(shape.texel(), approach.reach);
     ContactsAhead contacts;
     if (is_near(shape, approach)) contacts = contacts_of(shape, approach, slack);
-    const Sites sites = sites_of(contacts, shape, approach, body.m_index, textured.m_index);
     if (relief_ != nullptr || (is_free(body) && is_free(textured))) tolerate_overlap(contacts, slack);
-    fill(contacts, sites, approach, slack, *body.getCollisionObject(), *textured.getCollisionObject(),
+    const auto add_sites = [&](const contact::ContactPoint& c, ContactRecord& record) {
+      if (table_ == nullptr) return;  // only the world, which has the table, reads them
+      set_sites(c, shape, approach, body.m_index, textured.m_index, record);
+    };
+    fill(contacts, add_sites, approach, slack, *body.getCollisionObject(), *textured.getCollisionObject(),
          textured.getWorldTransform());
   }
 
@@ -124,12 +130,6 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
       return nullptr;
     }
   };
-  // The textures of body and textured shape at each contact.
-  struct Site {
-    std::optional<TextureSite> body, textured;
-  };
-  using Sites = std::array<Site, contact::ContactSet::capacity>;
-
   // The body is always A, so that impulses act on it.
   void add_manifold(const btCollisionObject& body, const btCollisionObject& textured) {
     btPersistentManifold* added = m_dispatcher->getNewManifold(&body, &textured);
@@ -163,18 +163,15 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
                                 std::min(approach.travel() + slack, shape.texel()));
   }
 
-  Sites sites_of(const contact::ContactSet& contacts, const TexturedShapeBase& shape,
-                 const Approach& approach, int body_child, int textured_child) const {
-    Sites out;
-    for (std::size_t k = 0; k < contacts.count; ++k) {
-      const contact::ContactPoint& c = contacts.points[k];
-      out[k].textured = shape.site(c);
-      if (out[k].textured) out[k].textured->texture = std::max(textured_child, 0);
-      if (relief_ == nullptr) continue;
-      out[k].body = relief_->site_at(approach.pose.to_local(c.point + c.distance * c.normal));
-      if (out[k].body) out[k].body->texture = std::max(body_child, 0);
-    }
-    return out;
+  // The textures of body and textured shape at a contact.
+  void set_sites(const contact::ContactPoint& c, const TexturedShapeBase& shape, const Approach& approach,
+                 int body_child, int textured_child, ContactRecord& record) const {
+    record.on_b = shape.site(c);
+    if (record.on_b) record.on_b->texture = std::max(textured_child, 0);
+    record.on_a.reset();
+    if (relief_ == nullptr) return;
+    record.on_a = relief_->site_at(approach.pose.to_local(c.point + c.distance * c.normal));
+    if (record.on_a) record.on_a->texture = std::max(body_child, 0);
   }
 
   // contactTest() and similar queries collect points themselves; body B is the manifold's second.
@@ -194,7 +191,8 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
   }
 
   // Rebuilt each step, as Bullet's cached points would keep stale normals; impulses stay with their feature.
-  void fill(const ContactsAhead& contacts, const Sites& sites, const Approach& approach, double slack,
+  template <class AddSites>
+  void fill(const ContactsAhead& contacts, const AddSites& add_sites, const Approach& approach, double slack,
             const btCollisionObject& body, const btCollisionObject& textured, const btTransform& frame) {
     const OldPoints old = old_points();
     btManifoldPoint point = combined(body, textured);
@@ -219,8 +217,10 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
       point.m_lifeTime = before ? before->life_time + 1 : 0;
       const bool was_pressed = before && before->impulse > 0;
       const bool goes_on = was_pressed && c.distance <= slack;
-      (*records_)[count] = {c.feature, goes_on ? std::nullopt : plan[k].touch_time, sites[k].body,
-                            sites[k].textured};
+      ContactRecord& record = (*records_)[count];
+      record.feature = c.feature;
+      record.touch_time = goes_on ? std::nullopt : plan[k].touch_time;
+      add_sites(c, record);
       place(point, count++, body, textured);
     }
     for (std::size_t m = 0; m < manifold_count_; ++m)

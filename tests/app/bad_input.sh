@@ -162,5 +162,30 @@ else
   skipped "no right to mount a disk of 16 kB" "app_bad_input: a full disk"
 fi
 
+# Standard streams that are closed or full: results that are lost are no success, and nothing aborts.
+streams() { # NAME CODE COMMAND...: the exit code
+  local name=$1 wanted=$2 code
+  shift 2
+  bash -c "$*" intaglio "$intaglio" "$work" >"$work/log" 2>&1
+  code=$?
+  if [ $code -eq "$wanted" ]; then echo "$name: ok"; else
+    echo "$name: exit code $code, expected $wanted"; cat "$work/log"; failures=$((failures + 1)); fi
+}
+streams "an error with standard error closed" 1 '"$1" inspect "$2/no_such.png" 2>&-'
+streams "an error with standard error full" 1 '"$1" inspect "$2/no_such.png" 2>/dev/full'
+streams "a result with standard error closed" 0 '"$1" inspect brick --json 2>&-'
+streams "a result with standard error full" 0 '"$1" bake plate:a=0.3,t=0.01 --modes 5 -o "$2/plate.modes" 2>/dev/full'
+streams "a result that a full disk takes" 1 '"$1" inspect brick --json >/dev/full'
+streams "a result to a closed output" 1 '"$1" inspect brick >&-'
+streams "help to a full disk" 1 '"$1" --help >/dev/full'
+"$intaglio" inspect brick --json >/dev/full 2>"$work/stderr"
+grep -q 'standard output: cannot be written: No space left' "$work/stderr" ||
+  { echo "a lost result is not named: $(cat "$work/stderr")"; failures=$((failures + 1)); }
+
+# Keys of very many parts, which toml++ reads by recursion.
+python3 -c "print('.'.join(['a'] * 300000) + ' = 1')" >"$work/deep.toml"
+expect "a key of 300,000 parts in a scene" 'deep\.toml:1: a key of over 32 parts' render "$work/deep.toml"
+expect "a key of 300,000 parts in a recipe" 'deep\.toml:1: a key of over 32 parts' render "$scene" --surface "$work/deep.toml"
+
 [ $failures -eq 0 ] && echo "all bad input is refused in one line"
 exit $((failures > 0))
