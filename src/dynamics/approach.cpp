@@ -75,9 +75,8 @@ Vec3 clipped_velocity(const Approach& a, const contact::ContactSet& contacts, co
 }  // namespace
 
 Vec3 Approach::supported_velocity(const contact::ContactSet& contacts, double slack) const {
-  return clipped_velocity(*this, contacts, [&](const contact::ContactPoint& c) {
-    return c.distance <= slack ? 0.0 : unlimited;
-  });
+  return clipped_velocity(
+      *this, contacts, [&](const contact::ContactPoint& c) { return c.distance <= slack ? 0.0 : unlimited; });
 }
 
 Pose Approach::predicted_pose(const contact::ContactSet& contacts) const {

@@ -93,11 +93,13 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
     const double slack = 0.01 * std::min(shape.texel(), approach.reach);
     ContactsAhead contacts;
     if (is_near(shape, approach)) contacts = contacts_of(shape, approach, slack);
-    if (relief_ != nullptr || (is_free(body) && is_free(textured))) tolerate_overlap(contacts, slack);
-    const auto add_sites = [&](const contact::ContactPoint& c, ContactRecord& record) {
+    std::array<double, contact::ContactSet::capacity> gaps{};
+    for (std::size_t k = 0; k < contacts.count; ++k) gaps[k] = contacts.points[k].distance;
+    const auto add_sites = [&](std::size_t k, ContactRecord& record) {
       if (table_ == nullptr) return;  // only the world, which has the table, reads them
-      set_sites(c, shape, approach, body.m_index, textured.m_index, record);
+      set_sites(contacts.points[k], gaps[k], shape, approach, body.m_index, textured.m_index, record);
     };
+    if (relief_ != nullptr || (is_free(body) && is_free(textured))) tolerate_overlap(contacts, slack);
     fill(contacts, add_sites, approach, slack, *body.getCollisionObject(), *textured.getCollisionObject(),
          textured.getWorldTransform());
   }
@@ -163,14 +165,14 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
                                 std::min(approach.travel() + slack, shape.texel()));
   }
 
-  // The textures of body and textured shape at a contact.
-  void set_sites(const contact::ContactPoint& c, const TexturedShapeBase& shape, const Approach& approach,
-                 int body_child, int textured_child, ContactRecord& record) const {
+  // The textures of body and textured shape at a contact; `gap` is its true distance.
+  void set_sites(const contact::ContactPoint& c, double gap, const TexturedShapeBase& shape,
+                 const Approach& approach, int body_child, int textured_child, ContactRecord& record) const {
     record.on_b = shape.site(c);
     if (record.on_b) record.on_b->texture = std::max(textured_child, 0);
     record.on_a.reset();
     if (relief_ == nullptr) return;
-    record.on_a = relief_->site_at(approach.pose.to_local(c.point + c.distance * c.normal));
+    record.on_a = relief_->site_at(approach.pose.to_local(c.point + gap * c.normal));
     if (record.on_a) record.on_a->texture = std::max(body_child, 0);
   }
 
@@ -220,7 +222,7 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
       ContactRecord& record = (*records_)[count];
       record.feature = c.feature;
       record.touch_time = goes_on ? std::nullopt : plan[k].touch_time;
-      add_sites(c, record);
+      add_sites(k, record);
       place(point, count++, body, textured);
     }
     for (std::size_t m = 0; m < manifold_count_; ++m)

@@ -174,7 +174,7 @@ streams() { # NAME CODE COMMAND...: the exit code
 streams "an error with standard error closed" 1 '"$1" inspect "$2/no_such.png" 2>&-'
 streams "an error with standard error full" 1 '"$1" inspect "$2/no_such.png" 2>/dev/full'
 streams "a result with standard error closed" 0 '"$1" inspect brick --json 2>&-'
-streams "a result with standard error full" 0 '"$1" bake plate:a=0.3,t=0.01 --modes 5 -o "$2/plate.modes" 2>/dev/full'
+streams "a result with standard error full" 0 '"$1" bake plate:a=0.3,t=0.01 --material ceramic --modes 5 -o "$2/plate.modes" 2>/dev/full'
 streams "a result that a full disk takes" 1 '"$1" inspect brick --json >/dev/full'
 streams "a result to a closed output" 1 '"$1" inspect brick >&-'
 streams "help to a full disk" 1 '"$1" --help >/dev/full'
