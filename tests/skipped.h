@@ -1,6 +1,6 @@
 // skipped(why): reports a test that cannot run on this machine. ctest hides the output of tests that pass, so
 // the line also goes into the file that INTAGLIO_SKIPS names, with the test's name; script/test prints that
-// file at its end. tests/app/skipped.sh is the same for scripts.
+// file at its end. tests/app/begin.sh is the same for scripts.
 #pragma once
 
 #include <doctest/doctest.h>

@@ -118,21 +118,6 @@ class FrameEncoder {
   std::optional<Error> error_;
 };
 
-Result<std::unique_ptr<render::Renderer>> make_renderer(const scene::Scene& scene,
-                                                        const scene::SceneSurface& surface) {
-  render::RendererOptions options;
-  options.width = scene.video.width;
-  options.height = scene.video.height;
-  options.supersample = scene.video.supersample;
-  options.slab_thickness = scene.surface.thickness;
-  options.roughness = surface.roughness;
-  auto renderer = render::Renderer::create(*surface.surface, options);
-  if (!renderer) return tl::unexpected(renderer.error());
-  if (auto shown = (*renderer)->show(scene::surface_parts(scene, surface)); !shown)
-    return tl::unexpected(shown.error());
-  return std::move(*renderer);
-}
-
 }  // namespace
 
 Result<session::Recording> render(const scene::Scene& scene, const RenderJob& job) {
@@ -153,7 +138,7 @@ Result<session::Recording> render(const scene::Scene& scene, const RenderJob& jo
   progress.update(0, "modal analysis");
   auto simulation = session::Simulation::create(scene, *surface);
   if (!simulation) return tl::unexpected(simulation.error());
-  auto renderer = make_renderer(scene, *surface);
+  auto renderer = scene::make_renderer(scene, *surface);
   if (!renderer) return tl::unexpected(renderer.error());
   OutputFiles files;
   auto video =

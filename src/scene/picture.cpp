@@ -117,6 +117,20 @@ std::vector<render::SurfacePart> surface_parts(const Scene& scene, const SceneSu
   return parts;
 }
 
+Result<std::unique_ptr<render::Renderer>> make_renderer(const Scene& scene, const SceneSurface& surface) {
+  render::RendererOptions options;
+  options.width = scene.video.width;
+  options.height = scene.video.height;
+  options.supersample = scene.video.supersample;
+  options.slab_thickness = scene.surface.thickness;
+  options.roughness = surface.roughness;
+  auto renderer = render::Renderer::create(*surface.surface, options);
+  if (!renderer) return tl::unexpected(renderer.error());
+  if (auto shown = (*renderer)->show(surface_parts(scene, surface)); !shown)
+    return tl::unexpected(shown.error());
+  return std::move(*renderer);
+}
+
 namespace {
 
 using render::Mesh;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "contact/shape.h"
+#include "intaglio/error.h"
 #include "mesh/triangle_mesh.h"
 #include "render/frame_scene.h"
 #include "render/mesh.h"
@@ -40,6 +41,9 @@ class ScenePicture {
 
 // The surfaces of a scene for the renderer: the floor, then the grounds, then the reliefs of bodies.
 std::vector<render::SurfacePart> surface_parts(const Scene& scene, const SceneSurface& surface);
+
+// An off-screen renderer of the scene's pictures, which shows its surfaces. Tenths of a second.
+Result<std::unique_ptr<render::Renderer>> make_renderer(const Scene& scene, const SceneSurface& surface);
 
 // Render mesh of a contact shape, in the body's frame. Pure; milliseconds.
 render::Mesh shape_mesh(const contact::Shape& shape);

@@ -21,21 +21,6 @@ FrameState frame_of(const session::Snapshot& from) {
   return frame;
 }
 
-Result<std::unique_ptr<render::Renderer>> renderer_of(const scene::Scene& scene,
-                                                      const scene::SceneSurface& surface) {
-  render::RendererOptions options;
-  options.width = scene.video.width;
-  options.height = scene.video.height;
-  options.supersample = scene.video.supersample;
-  options.slab_thickness = scene.surface.thickness;
-  options.roughness = surface.roughness;
-  auto renderer = render::Renderer::create(*surface.surface, options);
-  if (!renderer) return renderer;
-  if (auto shown = (*renderer)->show(scene::surface_parts(scene, surface)); !shown)
-    return tl::unexpected(shown.error());
-  return renderer;
-}
-
 }  // namespace
 
 Result<Recording> simulate(const Scene& scene, const SimulateOptions& options) {
@@ -113,7 +98,7 @@ Result<void> Recording::save_events(const std::filesystem::path& csv) const {
 Result<void> Recording::save_video(const std::filesystem::path& mp4,
                                    const std::function<void(double done)>& progress) const {
   const scene::Scene& scene = impl_->scene.impl().scene;
-  auto renderer = renderer_of(scene, impl_->surface);
+  auto renderer = scene::make_renderer(scene, impl_->surface);
   if (!renderer) return tl::unexpected(renderer.error());
   OutputFiles files;
   auto video =

@@ -1,13 +1,7 @@
 #!/usr/bin/env bash
 # Bad input to the command, as a user would give it: one line that names the file, an exit code that is not 0, and nothing left
 # behind.   bad_input.sh INTAGLIO SOURCE_DIR
-set -uo pipefail
-intaglio=$1
-source=$2
-. "$(dirname "$0")/skipped.sh"
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-failures=0
+. "$(dirname "$0")/begin.sh"
 
 # expect NAME PATTERN COMMAND...: the command fails with one line on standard error that matches PATTERN.
 expect() {

@@ -1,13 +1,7 @@
 #!/usr/bin/env bash
 # intaglio bake --all: bakes what is there, skips what is done, bakes again what changed, goes on after a failure, and the
 # workflow does the same where snakemake is installed.   bake.sh INTAGLIO SOURCE_DIR
-set -uo pipefail
-intaglio=$1
-source=$2
-. "$(dirname "$0")/skipped.sh"
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-failures=0
+. "$(dirname "$0")/begin.sh"
 expect() {
   local name=$1 pattern=$2
   if grep -qE "$pattern" "$work/log"; then echo "$name: ok"; else

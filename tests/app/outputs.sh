@@ -1,18 +1,13 @@
 #!/usr/bin/env bash
 # Results that the command writes: files that belong together are all new or all old, users' files are left alone, links are followed,
 # and leftovers of a killed command are removed by the next.   outputs.sh INTAGLIO SOURCE_DIR
-set -uo pipefail
-intaglio=$1
-source=$2
-. "$(dirname "$0")/skipped.sh"
-work=$(mktemp -d)
+. "$(dirname "$0")/begin.sh"
 mounted=()
 clean_up() {
   for disk in "${mounted[@]}"; do umount "$disk"; done
   rm -rf "$work"
 }
 trap clean_up EXIT
-failures=0
 fault() {
   echo "wrong: $*"
   failures=$((failures + 1))

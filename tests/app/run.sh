@@ -2,13 +2,7 @@
 # intaglio run as a user meets it, driven by scripts through SDL's event queue without a screen: every scene, dragging, the pen,
 # switching, dropping images, recording, resizing; and what goes wrong: no display, no sound card, a bad scene, a 1 x 1 texture.
 #   run.sh INTAGLIO SOURCE_DIR
-set -uo pipefail
-intaglio=$1
-source=$2
-. "$(dirname "$0")/skipped.sh"
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-failures=0
+. "$(dirname "$0")/begin.sh"
 export XDG_CONFIG_HOME="$work/config" XDG_CACHE_HOME="$work/cache"
 export SDL_VIDEODRIVER=offscreen LP_NUM_THREADS=2
 
