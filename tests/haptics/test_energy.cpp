@@ -29,7 +29,8 @@ struct Table {
 
 }  // namespace
 
-TEST_CASE("on 400 closed loops contact gives the hand no energy; the paper's planes do") {
+TEST_CASE("on 400 closed loops contact gives the hand no energy; the paper's planes do" *
+          doctest::test_suite("statistics")) {
   const auto s = tests::brick_surface(512, 0.1);
   const TexturedSlab slab(s, {Representation::relief, 0.001, 0.02});
   const auto k = ContactSprings::for_felt_stiffness(spring_stiffness);

@@ -244,7 +244,8 @@ TEST_CASE("a ball that rolls over a grating sounds at v / lambda, whichever sour
   }
 }
 
-TEST_CASE("a ball with a grating round it sounds at v / lambda on a flat floor: its own texture is swept") {
+TEST_CASE("a ball with a grating round it sounds at v / lambda on a flat floor: its own texture is swept" *
+          doctest::test_suite("statistics")) {
   constexpr int waves = 12;
   constexpr double radius = 0.02, wavelength = tau * radius / waves;
   for (const char* source : {"texels", "height", "engine", "height on relief"}) {

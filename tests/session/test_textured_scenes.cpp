@@ -41,7 +41,8 @@ struct Played {
 
 }  // namespace
 
-TEST_CASE("gratings: blocks with ridges hold on the slope and on each other, flat ones slide") {
+TEST_CASE("gratings: blocks with ridges hold on the slope and on each other, flat ones slide" *
+          doctest::test_suite("statistics")) {
   Played played("gratings");
   double slid = 0;
   std::set<std::pair<BodyId, BodyId>> met;
