@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The installed library as others use it: for each component a CMake project of ten lines, outside the source tree, against a prefix that
-# was installed just now; built without a warning, and run, as many at a time as there are processors. Then pkg-config, and what must not be linked. (That
-# public headers compile alone is tools/check_headers.)
+# was installed just now; built without a warning, and run, as many at a time as there are processors. Then pkg-config, and what must
+# not be linked. (That public headers compile alone is tested by tools/check_headers.)
 #   tests/install.sh BUILD_DIR [PREFIX]     with PREFIX nothing is installed: "" /usr tests the packages
 set -euo pipefail
 cd "$(dirname "$0")/.."

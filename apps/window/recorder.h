@@ -52,7 +52,7 @@ class Recorder {
 
   std::filesystem::path target_;
   int width_ = 0, height_ = 0, fps_ = 30, sample_rate_ = 44'100;
-  OutputFiles files_;  // of the video; before it, which writes to them
+  OutputFiles files_;  // declared before the video, which writes to them
   std::unique_ptr<session::VideoWriter> video_;
   std::vector<float> audio_;  // left and right interleaved
   std::int64_t frames_ = 0;

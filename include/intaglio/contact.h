@@ -3,8 +3,8 @@
 //   for (const intaglio::ContactPoint& c : intaglio::contacts(wall, intaglio::Box{{0.1, 0.1, 0.1}}, pose))
 //     engine.add(c.point, c.normal, c.distance, c.feature);     // examples/other_engine.cpp
 //
-// Pure functions: any thread, no allocation, bounded time, results always finite; ContactSet::status says
-// what was wrong with a query. World frame, metres.
+// Pure functions: any thread, no allocation, bounded time, results always finite. ContactSet::status
+// reports invalid queries. World frame, metres.
 //
 // A contact is a place where the gap between body and relief has a local minimum. While they are apart,
 // `distance` is the Euclidean distance of the two points, and that of the first contact is the distance of

@@ -47,8 +47,8 @@ class ModalModel {
   const std::string& name() const;
   const Material& material() const;
   double mass() const;  // kg
-  // 0 for a body so small and stiff that all its modes are too high to be heard: only its click is. Functions
-  // of a mode that the model has not return 0.
+  // 0 for a body so small and stiff that all its modes are too high to be heard: only its click is. The
+  // functions below return 0 for a mode that does not exist.
   int modes() const;
   double frequency(int mode) const;   // Hz, damped; ascending
   double decay_time(int mode) const;  // s, T60

@@ -243,7 +243,7 @@ Result<OutputFiles::File> OutputFiles::create(const fs::path& target, bool is_sc
   struct stat old {};
   if (!is_scratch && lstat(file.target.c_str(), &old) == 0)
     file.kept = {old.st_mode & 07777, old.st_uid, old.st_gid};
-  // Until commit() nobody else reads what may be a secret file's new content.
+  // Private until commit(): the file that it replaces may be one that others cannot read.
   const auto temporary = create_temporary(file.target, file.kept ? 0600 : 0666);
   if (!temporary) return tl::unexpected(write_error(target, temporary.error()));
   std::tie(file.temporary, file.descriptor) = *temporary;

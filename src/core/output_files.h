@@ -10,8 +10,8 @@
 // Every file is written to a temporary in its target's folder, `.NAME.intaglio-XXXXXXXXCCCC.part.EXT`: X is
 // random, C a checksum of the rest, so that no file of the user's is taken for one of ours, and the extension
 // stays, because programs choose a format by it. A temporary is always a new file (an existing file or link
-// of its name is neither opened nor replaced) and is locked by flock() while its process lives. So a killed
-// process's leftovers are known beyond doubt, and are removed when their target is written next.
+// of its name is neither opened nor replaced) and is locked by flock() while its process lives. The leftovers
+// of a killed process are thus recognised with certainty, and removed when their target is written next.
 //
 // The target: a regular file or none, not a device or pipe. A symbolic link is followed, and the file that it
 // names is replaced; other hard links to that file keep the old content. A file that the user has made
@@ -71,7 +71,7 @@ class OutputFiles {
   struct File {
     std::filesystem::path name;               // as the caller gave it, for messages
     std::filesystem::path target, temporary;  // absolute, without links
-    int descriptor = -1, old = -1;            // of the temporary and of the file that it replaces: the locks
+    int descriptor = -1, old = -1;            // hold the locks: of the temporary, of the replaced file
     bool is_scratch = false;
     State state = State::written;
     struct Permissions {
@@ -79,7 +79,7 @@ class OutputFiles {
       uid_t user;
       gid_t group;
     };
-    std::optional<Permissions> kept;  // of the file that is replaced
+    std::optional<Permissions> kept;  // the permissions of the replaced file
   };
 
   Result<File> create(const std::filesystem::path& target, bool is_scratch);
@@ -92,8 +92,8 @@ class OutputFiles {
   std::vector<File> files_;
 };
 
-// Removes the temporaries that dead processes left in a folder, whatever their targets are. Only for folders
-// whose files get new names each time, such as recordings by date: otherwise writing the target does it.
+// Removes the temporaries that dead processes left in a folder, whatever their targets are. Needed only where
+// each file gets a new name, as recordings do; elsewhere the next write of the same target removes them.
 void remove_stale_temporaries(const std::filesystem::path& folder);
 
 // The error of a write that failed with `reason`, an errno; a full disk is named as such.

@@ -15,8 +15,8 @@ std::string lower_case(std::string text);
 // Text from files and libraries, for messages: bytes that are not printable ASCII become '?'.
 std::string printable(std::string text);
 
-// Writes to standard error. Where that is closed, full or broken nothing happens, since there is nobody to
-// tell; fmt::print would throw.
+// Writes to standard error. Does nothing if that is closed, full or broken, because no other place for
+// messages is left; fmt::print would throw.
 void print_error(std::string_view text);
 
 // Levenshtein distance of two words: inserted, deleted and changed letters.

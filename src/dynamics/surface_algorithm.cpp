@@ -243,8 +243,8 @@ class SurfaceAlgorithm : public btCollisionAlgorithm {
   }
 
   // Stores the contact as point `k` of the pair. Bullet's compounds drop points and move others into their
-  // places, so each point carries the number of its record, in the field that Bullet has for the touched part
-  // of a shape.
+  // places, so each point carries the number of its record, in m_index1, which Bullet uses for a shape's
+  // touched part.
   void place(btManifoldPoint& point, std::size_t k, const btCollisionObject& body,
              const btCollisionObject& textured) {
     const std::size_t m = k / per_manifold, at = k % per_manifold;
