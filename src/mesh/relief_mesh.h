@@ -2,8 +2,8 @@
 //
 // The field is X = p + z n of relief_piece.h, z = -depth, bilinear between texels: the same that touch and
 // pictures use for this mesh and texture, apart from filtering. Depth is in metres along n, whatever the size
-// of the mesh; the rectangle of the Surface itself is not used. The solid is below; an open mesh has a border and
-// no back. At a UV seam the relief may have a gap.
+// of the mesh; the rectangle of the Surface itself is not used. The solid is below; an open mesh has a border
+// and no back. At a UV seam the relief may have a gap.
 //
 // Immutable and cheap to copy; queries neither allocate nor lock, from any thread. Memory: 250 bytes a
 // triangle beside the mesh. Cost to build: about 1 us a triangle, plus the cost of bounding the texture under
