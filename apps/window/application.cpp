@@ -7,6 +7,7 @@
 #include <cmath>
 #include <ctime>
 #include <deque>
+#include <future>
 
 #include "core/file.h"
 #include "window/input.h"
@@ -26,6 +27,29 @@ constexpr double frame_deadline = 1.0 / 30, recorded_rate = 30;
 
 double since(SteadyClock::time_point start) {
   return std::chrono::duration<double>(SteadyClock::now() - start).count();
+}
+
+// What a session has counted: the report adds up those of all sessions of a run.
+struct SessionCounts {
+  std::uint64_t ticks = 0, skipped_ticks = 0, steps = 0, skipped_steps = 0, events = 0, dropped_events = 0;
+};
+
+SessionCounts operator+(const SessionCounts& a, const SessionCounts& b) {
+  return {a.ticks + b.ticks,   a.skipped_ticks + b.skipped_ticks,
+          a.steps + b.steps,   a.skipped_steps + b.skipped_steps,
+          a.events + b.events, a.dropped_events + b.dropped_events};
+}
+
+SessionCounts counts_of(session::LiveSession* session) {
+  if (session == nullptr) return {};
+  const session::LiveState& state = session->state();
+  const haptics::ServoLoop& servo = session->servo();
+  SessionCounts counts{servo.compute().count(), servo.skipped_ticks(), state.steps, state.dropped_steps};
+  if (const auto live = session->sound_status()) {
+    counts.events = live->events;
+    counts.dropped_events = live->dropped_events;
+  }
+  return counts;
 }
 
 class Application {
@@ -61,6 +85,7 @@ class Application {
   void toggle_recording();
   void record();
   void stop_recording();
+  void report_recovered();
   void screenshot(const std::string& file);
   std::filesystem::path new_file(const char* extension) const;
   void report_gl_errors();
@@ -76,8 +101,10 @@ class Application {
   ScriptPlayer script_;
   PanelData panel_data_;
   RunReport report_;
+  SessionCounts earlier_;  // of the sessions before the present one
   FrameTimes times_;
   std::unique_ptr<Recorder> recorder_;
+  std::future<std::vector<Result<session::RecoveredVideo>>> recovery_;
   SteadyClock::time_point start_, recording_since_, message_time_;
   std::vector<float> audio_block_;
   std::string screenshot_file_;
@@ -103,6 +130,7 @@ Result<RunReport> Application::run() {
   stage_.set_scene_file(options_.scene_file);
   stage_.set_shaders(options_.shaders);
   stage_.request_scene(options_.scene, settings_, false);
+  recovery_ = std::async(std::launch::async, session::recover_videos, options_.record_to);
   auto before = SteadyClock::now();
   while (!script_.is_finished()) {
     if (options_.interrupted != nullptr && options_.interrupted->load()) break;
@@ -128,8 +156,14 @@ Result<RunReport> Application::run() {
     }
     if (commands.record) toggle_recording();
     std::string message = stage_.update(settings_, since(start_));
-    if (stage_.take_loaded(message)) begin_session();
+    const SessionCounts counts = counts_of(stage_.session());
+    if (stage_.take_loaded(message)) {
+      earlier_ = earlier_ + counts;
+      begin_session();
+    }
     post_message(message);
+    if (recovery_.valid() && recovery_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
+      report_recovered();
     const auto now = SteadyClock::now();
     const double seconds = std::chrono::duration<double>(now - before).count();
     before = now;
@@ -143,6 +177,7 @@ Result<RunReport> Application::run() {
   post_message(stage_.connection_error(settings_));
   finish_report();
   stop_recording();
+  if (recovery_.valid()) report_recovered();
   report_.was_baking = stage_.is_baking();
   return report_;
 }
@@ -316,6 +351,18 @@ void Application::stop_recording() {
   post_message(fmt::format("recorded {:.1f} s: {}", seconds, file.string()));
 }
 
+// Says what recordings of a killed window were put together.
+void Application::report_recovered() {
+  for (const auto& video : recovery_.get()) {
+    if (!video) {
+      post_message("could not recover a recording: " + video.error().message());
+      continue;
+    }
+    report_.files_written.push_back(video->file.string());
+    post_message(fmt::format("recovered {:.0f} s of a recording: {}", video->seconds, video->file.string()));
+  }
+}
+
 void Application::screenshot(const std::string& name) {
   const auto file = name.empty() ? new_file(".png") : std::filesystem::path(name);
   const auto written = write_file(file, encode_png(window_.pixels()));
@@ -340,19 +387,15 @@ void Application::finish_report() {
   report_.frames = {times_.count(), times_.over(frame_deadline), times_.quantile(0.5), times_.quantile(0.99),
                     times_.quantile(1)};
   session::LiveSession* session = stage_.session();
+  const SessionCounts counts = earlier_ + counts_of(session);
+  const sound::AudioStatus audio = stage_.audio()->status();
+  report_.sound = {audio.buffers, audio.underruns, counts.events, counts.dropped_events, audio.peak_load, 0};
   if (session == nullptr) return;
   const haptics::ServoLoop& servo = session->servo();
-  report_.touch = {servo.compute().count(), servo.skipped_ticks(), servo.wake_up().quantile(0.99),
+  report_.touch = {counts.ticks, counts.skipped_ticks, servo.wake_up().quantile(0.99),
                    servo.compute().quantile(0.99), servo.priority()};
-  const session::LiveState& state = session->state();
-  report_.dynamics = {state.steps, state.dropped_steps, state.step_seconds};
-  const sound::AudioStatus audio = stage_.audio()->status();
-  report_.sound = {audio.buffers, audio.underruns, 0, 0, audio.peak_load, 0};
-  if (const auto live = session->sound_status()) {
-    report_.sound.events = live->events;
-    report_.sound.dropped = live->dropped_events;
-    report_.sound.delay = live->delay;
-  }
+  report_.dynamics = {counts.steps, counts.skipped_steps, session->state().step_seconds};
+  if (const auto live = session->sound_status()) report_.sound.delay = live->delay;
 }
 
 }  // namespace

@@ -1,6 +1,10 @@
 #include "window/recorder.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <fstream>
+#include <system_error>
+#include <utility>
 
 namespace intaglio::window {
 
@@ -11,12 +15,14 @@ Result<std::unique_ptr<Recorder>> Recorder::start(const std::filesystem::path& t
   made->width_ = std::max(16, width - width % 2);  // H.264 needs whole 2 x 2 blocks
   made->height_ = std::max(16, height - height % 2);
   made->fps_ = fps;
-  made->sample_rate_ = sample_rate;
-  // Every recording has a new name, so that no later one would remove what a killed session left.
-  remove_stale_temporaries(target.parent_path());
-  auto video = session::VideoWriter::create(made->files_, target, made->width_, made->height_, fps);
+  auto video = session::VideoWriter::create(
+      made->files_, target,
+      {.width = made->width_, .height = made->height_, .fps = fps, .is_recoverable = true});
   if (!video) return tl::unexpected(video.error());
   made->video_ = std::move(*video);
+  auto sound = made->video_->add_sound(sample_rate);
+  if (!sound) return tl::unexpected(sound.error());
+  made->sound_ = std::move(*sound);
   made->thread_ = std::thread([recorder = made.get()] { recorder->encode(); });
   return made;
 }
@@ -53,37 +59,53 @@ Result<void> Recorder::add(const Image8& frame, double time) {
 }
 
 void Recorder::add_audio(std::span<const float> stereo) {
-  audio_.insert(audio_.end(), stereo.begin(), stereo.end());
+  const std::lock_guard lock(mutex_);
+  if (!error_) audio_.insert(audio_.end(), stereo.begin(), stereo.end());
 }
 
 void Recorder::encode() {
+  std::vector<float> audio;
   while (true) {
     Frame frame;
+    audio.clear();
     {
       std::unique_lock lock(mutex_);
       queue_changed_.wait(lock, [&] { return !queue_.empty() || closed_; });
-      if (queue_.empty()) return;
-      frame = std::move(queue_.front());
-      queue_.pop();
+      if (queue_.empty() && audio_.empty()) return;
+      if (!queue_.empty()) {
+        frame = std::move(queue_.front());
+        queue_.pop();
+      }
+      std::swap(audio, audio_);
     }
-    for (int k = 0; k < frame.times; ++k) {
-      const auto added = video_->add(frame.image);
-      if (added) continue;
+    if (const auto encoded = encode(frame, audio); !encoded) {
       const std::lock_guard lock(mutex_);
-      error_ = added.error();
+      error_ = encoded.error();
       return;
     }
   }
+}
+
+Result<void> Recorder::encode(const Frame& frame, std::span<const float> audio) {
+  std::ofstream file(sound_.path, std::ios::binary | std::ios::app);
+  file.write(reinterpret_cast<const char*>(audio.data()), std::streamsize(audio.size_bytes()));
+  if (!file.flush()) return tl::unexpected(write_error(target_, errno));
+  for (int k = 0; k < frame.times; ++k) {
+    if (auto added = video_->add(frame.image); !added) return added;
+  }
+  return {};
 }
 
 Result<void> Recorder::finish() {
   close();
   if (error_) return tl::unexpected(*error_);
   if (frames_ == 0) return fail(target_.string(), "nothing was recorded");
-  // Trim or pad the audio to the video's length.
-  audio_.resize(2 * std::size_t(seconds() * sample_rate_));
-  if (const auto joined = video_->finish(audio_, sample_rate_); !joined)
-    return tl::unexpected(joined.error());
+  // Trims or pads the sound to the video's length.
+  std::error_code error;
+  std::filesystem::resize_file(sound_.path, 2 * sizeof(float) * std::size_t(seconds() * sound_.raw_rate),
+                               error);
+  if (error) return tl::unexpected(write_error(target_, error.value()));
+  if (const auto joined = video_->finish(sound_); !joined) return tl::unexpected(joined.error());
   return files_.commit();
 }
 

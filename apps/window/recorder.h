@@ -2,8 +2,9 @@
 // in stereo as it is played. A thread of its own and ffmpeg encode; when their queue is full, the previous
 // frame is repeated, so that the window never waits.
 //
-// The video appears when recording stops. A killed session leaves hidden temporaries, which the next
-// recording in that folder removes (core/output_files.h).
+// The video appears when recording stops. Until then picture and sound are in hidden temporaries, from which
+// the next start puts together what a killed window had recorded (session::recover_videos). Memory does not
+// grow with time.
 //
 // One thread (the window's). When the disk is full or ffmpeg dies, add() returns the error and recording
 // stops.
@@ -48,19 +49,21 @@ class Recorder {
   };
   Recorder() = default;
   void encode();
+  Result<void> encode(const Frame& frame, std::span<const float> audio);
   void close();
 
   std::filesystem::path target_;
-  int width_ = 0, height_ = 0, fps_ = 30, sample_rate_ = 44'100;
+  int width_ = 0, height_ = 0, fps_ = 30;
   OutputFiles files_;  // declared before the video, which writes to them
   std::unique_ptr<session::VideoWriter> video_;
-  std::vector<float> audio_;  // left and right interleaved
+  session::SoundFile sound_;
   std::int64_t frames_ = 0;
   int pending_repeats_ = 0;  // for frames dropped while the queue was full
   std::thread thread_;
   std::mutex mutex_;
   std::condition_variable queue_changed_;
   std::queue<Frame> queue_;
+  std::vector<float> audio_;  // left and right interleaved, not written yet
   bool closed_ = false;
   std::optional<Error> error_;
 };

@@ -64,27 +64,21 @@ bool is_same_file(int descriptor, const fs::path& path) {
          opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
 }
 
-// Removes a temporary unless its process lives. Never waits, whatever is at that name.
-void remove_if_stale(const fs::path& temporary) {
-  struct stat found {};
-  if (lstat(temporary.c_str(), &found) != 0 || !S_ISREG(found.st_mode) || found.st_uid != geteuid()) return;
-  const int file = open(temporary.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-  if (file < 0) return;
-  // Held while the name is removed: a process that has just created the file but not locked it yet finds it
-  // locked or gone, and takes another name.
-  if (flock(file, LOCK_EX | LOCK_NB) == 0 && is_same_file(file, temporary)) unlink(temporary.c_str());
-  close(file);
-}
-
-// Those of one target, or with an empty name all.
-void remove_stale_of(const fs::path& folder, const std::string& target) {
+// The temporaries in a folder, whether their processes live or not.
+std::vector<fs::path> temporaries_in(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> found;
   for (auto at = fs::directory_iterator(folder, error); !error && at != fs::end(at); at.increment(error)) {
-    const std::string of = target_of(at->path().filename().string());
-    if (!of.empty() && (target.empty() || of == name_in_temporary(target))) found.push_back(at->path());
+    if (!target_of(at->path().filename().string()).empty()) found.push_back(at->path());
   }
-  for (const fs::path& temporary : found) remove_if_stale(temporary);
+  return found;
+}
+
+void remove_stale_of(const fs::path& folder, const std::string& target) {
+  for (const fs::path& path : temporaries_in(folder)) {
+    if (target_of(path.filename().string()) != name_in_temporary(target)) continue;
+    if (auto stale = StaleTemporary::claim(path)) stale->remove();
+  }
 }
 
 // The file that `name` leads to, which may not exist yet. The kernel follows the links first, so that those
@@ -200,8 +194,49 @@ Error write_error(const fs::path& path, int reason) {
           "choose a writable location"};
 }
 
-void remove_stale_temporaries(const fs::path& folder) {
-  remove_stale_of(folder.empty() ? fs::path(".") : folder, "");
+// Never waits, whatever is at that name.
+std::optional<StaleTemporary> StaleTemporary::claim(const fs::path& path) {
+  struct stat found {};
+  if (lstat(path.c_str(), &found) != 0 || !S_ISREG(found.st_mode) || found.st_uid != geteuid())
+    return std::nullopt;
+  StaleTemporary stale;
+  stale.target_ = target_of(path.filename().string());
+  if (stale.target_.empty()) return std::nullopt;
+  stale.path_ = path;
+  stale.descriptor_ = open(path.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (stale.descriptor_ < 0 || flock(stale.descriptor_, LOCK_EX | LOCK_NB) != 0 ||
+      !is_same_file(stale.descriptor_, path))
+    return std::nullopt;
+  return stale;
+}
+
+StaleTemporary::StaleTemporary(StaleTemporary&& other) noexcept {
+  *this = std::move(other);
+}
+
+StaleTemporary& StaleTemporary::operator=(StaleTemporary&& other) noexcept {
+  std::swap(path_, other.path_);
+  std::swap(target_, other.target_);
+  std::swap(descriptor_, other.descriptor_);
+  return *this;
+}
+
+StaleTemporary::~StaleTemporary() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+// The lock is held while the name is removed: a process that has just created the file but not locked it yet
+// finds it locked or gone, and takes another name.
+void StaleTemporary::remove() {
+  if (is_same_file(descriptor_, path_)) unlink(path_.c_str());
+}
+
+std::vector<StaleTemporary> claim_stale_temporaries(const fs::path& folder) {
+  std::vector<StaleTemporary> claimed;
+  for (const fs::path& path : temporaries_in(folder.empty() ? fs::path(".") : folder)) {
+    if (auto stale = StaleTemporary::claim(path)) claimed.push_back(std::move(*stale));
+  }
+  return claimed;
 }
 
 OutputFiles::~OutputFiles() {

@@ -35,6 +35,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -92,9 +93,31 @@ class OutputFiles {
   std::vector<File> files_;
 };
 
-// Removes the temporaries that dead processes left in a folder, whatever their targets are. Needed only where
-// each file gets a new name, as recordings do; elsewhere the next write of the same target removes them.
-void remove_stale_temporaries(const std::filesystem::path& folder);
+// A temporary that a dead process left. While this object lives, no other process claims or removes it.
+class StaleTemporary {
+ public:
+  // Nothing where `path` is not such a file, or where another process holds it.
+  static std::optional<StaleTemporary> claim(const std::filesystem::path& path);
+  StaleTemporary(StaleTemporary&& other) noexcept;
+  StaleTemporary& operator=(StaleTemporary&& other) noexcept;
+  ~StaleTemporary();
+
+  const std::filesystem::path& path() const { return path_; }
+  // The name of the file beside which it was made; names of over 190 bytes are cut.
+  const std::string& target() const { return target_; }
+  void remove();
+
+ private:
+  StaleTemporary() = default;
+
+  std::filesystem::path path_;
+  std::string target_;
+  int descriptor_ = -1;
+};
+
+// All that dead processes left in a folder. The next write of the same target removes them by itself; where
+// each file gets a new name, as recordings do, somebody has to look.
+std::vector<StaleTemporary> claim_stale_temporaries(const std::filesystem::path& folder);
 
 // The error of a write that failed with `reason`, an errno; a full disk is named as such.
 Error write_error(const std::filesystem::path& path, int reason);

@@ -141,8 +141,8 @@ Result<session::Recording> render(const scene::Scene& scene, const RenderJob& jo
   auto renderer = scene::make_renderer(scene, *surface);
   if (!renderer) return tl::unexpected(renderer.error());
   OutputFiles files;
-  auto video =
-      session::VideoWriter::create(files, job.output, scene.video.width, scene.video.height, scene.video.fps);
+  auto video = session::VideoWriter::create(files, job.output,
+                                            {scene.video.width, scene.video.height, scene.video.fps});
   if (!video) return tl::unexpected(video.error());
 
   const auto frames = std::int64_t(scene.duration * scene.video.fps + 1e-9);
@@ -162,7 +162,7 @@ Result<session::Recording> render(const scene::Scene& scene, const RenderJob& jo
   const auto wav =
       sound::add_wav(files, output(".wav"), recording.stereo, recording.sample_rate, {.channels = 2});
   if (!wav) return tl::unexpected(wav.error());
-  const auto mp4 = (*video)->finish(*wav);
+  const auto mp4 = (*video)->finish({*wav});
   if (!mp4) return tl::unexpected(mp4.error());
   recording.notes = surface->notes;
   recording.key_frames = std::move(pictures.key_frames());

@@ -102,7 +102,7 @@ Result<void> Recording::save_video(const std::filesystem::path& mp4,
   if (!renderer) return tl::unexpected(renderer.error());
   OutputFiles files;
   auto video =
-      session::VideoWriter::create(files, mp4, scene.video.width, scene.video.height, scene.video.fps);
+      session::VideoWriter::create(files, mp4, {scene.video.width, scene.video.height, scene.video.fps});
   if (!video) return tl::unexpected(video.error());
   const scene::ScenePicture picture(scene, impl_->surface);
   const std::size_t balls = scene.balls.size();

@@ -7,8 +7,11 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
+#include <set>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "core/file.h"
@@ -20,6 +23,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
+// What the names of a video's temporaries have after the video's own.
+constexpr std::string_view picture_suffix = ".picture.mp4", sound_suffix = ".sound-";
+
 // ffmpeg says why it failed in the last line of its standard error.
 tl::unexpected<Error> encoder_error(const fs::path& target, const std::string& what,
                                     const Result<void>& ended) {
@@ -27,6 +33,25 @@ tl::unexpected<Error> encoder_error(const fs::path& target, const std::string& w
   if (reason.find(std::strerror(ENOSPC)) != std::string::npos)
     return tl::unexpected(write_error(target, ENOSPC));
   return fail(target.string(), reason.empty() ? what : what + ": " + reason, "is the disk full?");
+}
+
+// Joins an MP4 without sound and a sound file, if there is one, into another MP4.
+Result<void> mux(const fs::path& ffmpeg, const fs::path& target, const fs::path& picture,
+                 const SoundFile& sound, const std::vector<std::string>& options, const fs::path& to) {
+  std::vector<std::string> arguments{"-v", "error", "-y", "-i", picture.string()};
+  if (!sound.path.empty()) {
+    if (sound.raw_rate > 0) {
+      arguments.insert(arguments.end(), {"-f", "f32le", "-ar", std::to_string(sound.raw_rate), "-ac", "2"});
+    }
+    arguments.insert(arguments.end(), {"-i", sound.path.string(), "-c:a", "aac", "-b:a", "192k"});
+    arguments.insert(arguments.end(), options.begin(), options.end());
+  }
+  arguments.insert(arguments.end(), {"-c:v", "copy", "-movflags", "+faststart", to.string()});
+  auto joining = Process::start(ffmpeg, arguments);
+  if (!joining) return tl::unexpected(joining.error());
+  if (auto joined = joining->wait(); !joined)
+    return encoder_error(target, "muxing picture and sound failed", joined);
+  return {};
 }
 
 }  // namespace
@@ -42,7 +67,7 @@ Result<fs::path> find_ffmpeg() {
 }
 
 Result<std::unique_ptr<VideoWriter>> VideoWriter::create(OutputFiles& files, const fs::path& target,
-                                                         int width, int height, int fps) {
+                                                         const VideoFormat& format) {
   const auto ffmpeg = find_ffmpeg();
   if (!ffmpeg) return tl::unexpected(ffmpeg.error());
   if (auto named = check_extension(target, ".mp4", "an MP4"); !named) return tl::unexpected(named.error());
@@ -52,7 +77,7 @@ Result<std::unique_ptr<VideoWriter>> VideoWriter::create(OutputFiles& files, con
   auto muxed = files.add(target);
   if (!muxed) return tl::unexpected(muxed.error());
   writer->muxed_ = std::move(*muxed);
-  auto video_only = files.add_scratch(target);
+  auto video_only = files.add_scratch(fs::path(target).concat(picture_suffix));
   if (!video_only) return tl::unexpected(video_only.error());
   writer->video_only_ = std::move(*video_only);
   // A socket rather than a pipe: when the encoder dies, writing to a pipe raises SIGPIPE in the host.
@@ -62,33 +87,17 @@ Result<std::unique_ptr<VideoWriter>> VideoWriter::create(OutputFiles& files, con
   writer->socket_ = ends[1];
   SpawnOptions options;
   options.input = ends[0];
-  auto process = Process::start(writer->ffmpeg_,
-                                {"-v",
-                                 "error",
-                                 "-y",
-                                 "-f",
-                                 "rawvideo",
-                                 "-pix_fmt",
-                                 "rgb24",
-                                 "-s",
-                                 fmt::format("{}x{}", width, height),
-                                 "-r",
-                                 std::to_string(fps),
-                                 "-i",
-                                 "pipe:0",
-                                 "-an",
-                                 "-c:v",
-                                 "libx264",
-                                 "-preset",
-                                 "veryfast",
-                                 "-crf",
-                                 "18",
-                                 "-threads",
-                                 "1",
-                                 "-pix_fmt",
-                                 "yuv420p",
-                                 writer->video_only_.string()},
-                                options);
+  std::vector<std::string> arguments{"-v", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s"};
+  arguments.push_back(fmt::format("{}x{}", format.width, format.height));
+  arguments.insert(arguments.end(), {"-r", std::to_string(format.fps), "-i", "pipe:0", "-an"});
+  arguments.insert(arguments.end(), {"-c:v", "libx264", "-preset", "veryfast", "-crf", "18"});
+  arguments.insert(arguments.end(), {"-threads", "1", "-pix_fmt", "yuv420p"});
+  if (format.is_recoverable) {
+    arguments.insert(arguments.end(), {"-movflags", "+empty_moov+default_base_moof", "-frag_duration",
+                                       "250000", "-flush_packets", "1"});
+  }
+  arguments.push_back(writer->video_only_.string());
+  auto process = Process::start(writer->ffmpeg_, arguments, options);
   close(ends[0]);
   if (!process) return tl::unexpected(process.error());
   writer->encoder_ = std::move(*process);
@@ -114,17 +123,19 @@ Result<void> VideoWriter::add(const Image8& frame) {
   return {};
 }
 
-Result<fs::path> VideoWriter::finish(const fs::path& wav) {
+Result<SoundFile> VideoWriter::add_sound(int rate) {
+  const auto file = files_.add_scratch(fs::path(target_).concat(fmt::format("{}{}.f32", sound_suffix, rate)));
+  if (!file) return tl::unexpected(file.error());
+  return SoundFile{*file, rate};
+}
+
+Result<fs::path> VideoWriter::finish(const SoundFile& sound) {
   close(socket_);
   socket_ = -1;
   if (auto encoded = encoder_->wait(); !encoded)
     return encoder_error(target_, "the video encoder failed", encoded);
-  auto joining = Process::start(
-      ffmpeg_, {"-v", "error", "-y", "-i", video_only_.string(), "-i", wav.string(), "-c:v", "copy", "-c:a",
-                "aac", "-b:a", "192k", "-movflags", "+faststart", muxed_.string()});
-  if (!joining) return tl::unexpected(joining.error());
-  if (auto joined = joining->wait(); !joined)
-    return encoder_error(target_, "muxing picture and sound failed", joined);
+  if (auto muxed = mux(ffmpeg_, target_, video_only_, sound, {}, muxed_); !muxed)
+    return tl::unexpected(muxed.error());
   return muxed_;
 }
 
@@ -133,7 +144,69 @@ Result<fs::path> VideoWriter::finish(std::span<const float> stereo, int sample_r
   if (!wav) return tl::unexpected(wav.error());
   if (auto filled = sound::fill_wav(*wav, target_, stereo, sample_rate, {.channels = 2}); !filled)
     return tl::unexpected(filled.error());
-  return finish(*wav);
+  return finish(SoundFile{*wav});
+}
+
+namespace {
+
+// The duration in an MP4's header, which ffmpeg puts first (+faststart): version 0 of `mvhd`, seconds; 0 where
+// there is none.
+double mp4_seconds(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string head(4096, '\0');
+  in.read(head.data(), std::streamsize(head.size()));
+  const std::size_t at = head.find("mvhd");
+  if (at == std::string::npos || at + 24 > head.size()) return 0;
+  const auto number = [&](std::size_t from) {
+    double value = 0;
+    for (std::size_t k = 0; k < 4; ++k) value = 256 * value + double(std::uint8_t(head[from + k]));
+    return value;
+  };
+  const double units = number(at + 16);
+  return units > 0 ? number(at + 20) / units : 0;
+}
+
+Result<RecoveredVideo> recover(fs::path target, const StaleTemporary& picture, const StaleTemporary* sound,
+                               int rate) {
+  const auto ffmpeg = find_ffmpeg();
+  if (!ffmpeg) return tl::unexpected(ffmpeg.error());
+  std::error_code error;
+  if (fs::exists(target, error)) target.replace_extension("recovered.mp4");
+  OutputFiles files;
+  const auto muxed = files.add(target);
+  if (!muxed) return tl::unexpected(muxed.error());
+  // The sound may be longer than the picture, whose last frames were lost, or end before it.
+  const SoundFile file = sound != nullptr ? SoundFile{sound->path(), rate} : SoundFile{};
+  if (auto done = mux(*ffmpeg, target, picture.path(), file, {"-af", "apad", "-shortest"}, *muxed); !done)
+    return tl::unexpected(done.error());
+  const double seconds = mp4_seconds(*muxed);
+  if (auto committed = files.commit(); !committed) return tl::unexpected(committed.error());
+  return RecoveredVideo{target, seconds};
+}
+
+}  // namespace
+
+std::vector<Result<RecoveredVideo>> recover_videos(const fs::path& folder) {
+  std::vector<StaleTemporary> stale = claim_stale_temporaries(folder);
+  std::vector<Result<RecoveredVideo>> recovered;
+  std::set<std::string> kept;
+  for (const StaleTemporary& picture : stale) {
+    std::error_code error;
+    if (!picture.target().ends_with(picture_suffix) || fs::file_size(picture.path(), error) == 0) continue;
+    const std::string name = picture.target().substr(0, picture.target().size() - picture_suffix.size());
+    const StaleTemporary* sound = nullptr;
+    for (const StaleTemporary& other : stale)
+      if (other.target().starts_with(name + std::string(sound_suffix))) sound = &other;
+    // Without a file for the sound it is another job's, such as a render's, which starts anew.
+    if (sound == nullptr) continue;
+    const int rate = std::atoi(sound->target().c_str() + name.size() + sound_suffix.size());
+    const bool is_silent = rate <= 0 || fs::file_size(sound->path(), error) == 0;
+    recovered.push_back(recover(folder / name, picture, is_silent ? nullptr : sound, rate));
+    if (!recovered.back()) kept.insert({picture.target(), sound->target()});
+  }
+  for (StaleTemporary& one : stale)
+    if (!kept.contains(one.target())) one.remove();
+  return recovered;
 }
 
 }  // namespace intaglio::session

@@ -3,12 +3,16 @@
 // Two passes, so that frames are encoded while the sound is still being made: frames go into a video without
 // sound, which finish() muxes with the sound. Both are temporaries of the caller's set of files, whose commit
 // puts the MP4 in place; the set lives longer than the writer. One thread at a time.
+//
+// A recoverable video is kept in fragments of a quarter of a second, so that recover_videos() can put it
+// together when its process was killed. The encoder holds back half a second more.
 #pragma once
 
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "core/output_files.h"
 #include "core/process.h"
@@ -20,19 +24,34 @@ namespace intaglio::session {
 // The ffmpeg program on PATH, or an error that says how to install it.
 Result<std::filesystem::path> find_ffmpeg();
 
+struct VideoFormat {
+  int width = 640, height = 360;  // pixels, even
+  int fps = 30;                   // frames per second
+  bool is_recoverable = false;
+};
+
+// A file that ffmpeg knows by its name, or with a raw_rate (Hz) plain 32-bit floats, left and right
+// interleaved.
+struct SoundFile {
+  std::filesystem::path path;
+  int raw_rate = 0;
+};
+
 class VideoWriter {
  public:
-  // Adds `target` to the set and starts the encoder for frames of width x height.
+  // Adds `target` to the set and starts the encoder.
   static Result<std::unique_ptr<VideoWriter>> create(OutputFiles& files, const std::filesystem::path& target,
-                                                     int width, int height, int fps);
+                                                     const VideoFormat& format);
   ~VideoWriter();
   VideoWriter(const VideoWriter&) = delete;
   VideoWriter& operator=(const VideoWriter&) = delete;
 
   Result<void> add(const Image8& frame);
-  // Muxes the frames with the sound of a WAV file, which may be a temporary of the set; returns the MP4's
+  // A recoverable video's file for the sound, of the set: the caller appends to it as the sound is made.
+  Result<SoundFile> add_sound(int rate);
+  // Muxes the frames with the sound of a file, which may be a temporary of the set; returns the MP4's
   // temporary.
-  Result<std::filesystem::path> finish(const std::filesystem::path& wav);
+  Result<std::filesystem::path> finish(const SoundFile& sound);
   // The same with samples, left and right interleaved.
   Result<std::filesystem::path> finish(std::span<const float> stereo, int sample_rate);
 
@@ -44,5 +63,15 @@ class VideoWriter {
   int socket_ = -1;
   std::optional<Process> encoder_;
 };
+
+struct RecoveredVideo {
+  std::filesystem::path file;
+  double seconds = 0;
+};
+
+// Puts together the recoverable videos that killed processes left in a folder, each under the name that it
+// was to get, and removes their temporaries and all other stale ones there. What cannot be put together is an
+// error, and its temporaries stay. Takes as long as copying the files.
+std::vector<Result<RecoveredVideo>> recover_videos(const std::filesystem::path& folder);
 
 }  // namespace intaglio::session

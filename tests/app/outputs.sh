@@ -40,7 +40,7 @@ for pause in 0 0.2; do
   kill -KILL $victim
   wait $victim 2>/dev/null
   left=$(hidden "$out")
-  [ "$(grep -cE '/\.out\.mp4\.intaglio-[0-9a-f]{12}\.part\.mp4$' <<<"$left")" -eq 2 ] && [ "$(wc -l <<<"$left")" -eq 2 ] ||
+  [ "$(grep -cE '/\.out\.mp4(\.picture\.mp4)?\.intaglio-[0-9a-f]{12}\.part\.mp4$' <<<"$left")" -eq 2 ] && [ "$(wc -l <<<"$left")" -eq 2 ] ||
     fault "left by a killed render: $left"
   [ "$(sums "$out")" = "$old" ] || fault "a killed render changed the files of the one before"
 done

@@ -104,18 +104,36 @@ SCRIPT
 check "dropped images: good ones are the floor, bad ones are said and the window goes on" \
   report dropping "r['gl_errors'] == 0 and any('broken.png' in m for m in r['messages']) and any('none.png' in m for m in r['messages'])"
 
-# A recording whose window is killed leaves hidden temporaries, which the next recording removes.
+play switched --fresh <<SCRIPT
+1.5 key 1
+2.5 key 3
+3.0 quit
+SCRIPT
+check "steps and ticks are counted from the start, not from the last switch" report switched \
+  "r['dynamics']['steps'] + r['dynamics']['left_out'] > 0.6 * 480 * (r['seconds'] - r['start_seconds']) and r['touch']['ticks'] + r['touch']['left_out'] > 0.6 * 1000 * (r['seconds'] - r['start_seconds'])"
+
+# A recording whose window is killed leaves hidden temporaries, of which the next start makes a video.
 hidden() { find "$work" -maxdepth 1 -name '.*.intaglio-*.part.*'; }
 printf '0.1 key F9\n100 quit\n' >"$work/killed.events"
 "$intaglio" run --fresh --audio null --width 320 --height 180 --script "$work/killed.events" --record-to "$work" >"$work/killed.txt" 2>&1 &
 killed=$!
 for _ in $(seq 300); do
-  [ "$(hidden | wc -l)" -lt 2 ] || break
+  [ "$(hidden | wc -l)" -lt 3 ] || break
   sleep 0.1
 done
+sleep 3
 kill -KILL $killed
 wait $killed 2>/dev/null
-check "a killed recording leaves temporaries only" [ "$(hidden | wc -l)" -eq 2 -a -z "$(ls "$work" | grep mp4)" ]
+check "a killed recording leaves temporaries only" [ "$(hidden | wc -l)" -eq 3 -a -z "$(ls "$work" | grep mp4)" ]
+printf '2.0 quit\n' | play recovering --fresh
+check "a killed recording is recovered" report recovering "any(m.startswith('recovered') for m in r['messages']) and len(r['written']) == 1"
+video=$(ls "$work"/*.mp4 2>/dev/null | head -1)
+streams() { ffprobe -v error -show_entries stream=codec_name,channels -of csv=p=0 "$video" 2>/dev/null | sort | tr '\n' ' '; }
+check "all but its last second" python3 -c "import sys; sys.exit(not 2 <= float(sys.argv[1] or 0) < 6)" \
+  "$(ffprobe -v error -show_entries format=duration -of csv=p=0 "$video" 2>/dev/null)"
+check "the recovered video has picture and sound" [ "$(streams)" = "aac,2 h264 " ]
+check "no temporaries after the recovery" [ -z "$(hidden)" ]
+rm -f "$work"/*.mp4
 
 play recording --fresh <<SCRIPT
 0.1 key F9
@@ -126,8 +144,8 @@ play recording --fresh <<SCRIPT
 SCRIPT
 check "a recording through a resize" report recording "r['gl_errors'] == 0 and any(w.endswith('.mp4') for w in r['written'])"
 video=$(ls "$work"/*.mp4 2>/dev/null | head -1)
-check "the video has picture and sound in stereo" [ "$(ffprobe -v error -show_entries stream=codec_name,channels -of csv=p=0 "$video" 2>/dev/null | sort | tr '\n' ' ')" = "aac,2 h264 " ]
-check "no leftovers of either recording" [ -z "$(ls -A "$work" | grep -E '[.]part[.]|recording.wav|tmp')" ]
+check "the video has picture and sound in stereo" [ "$(streams)" = "aac,2 h264 " ]
+check "no leftovers of the recording" [ -z "$(ls -A "$work" | grep -E '[.]part[.]|recording.wav|tmp')" ]
 
 if [ -w /dev/full ]; then
   mkdir "$work/bin"

@@ -52,6 +52,10 @@ fs::path stale_temporary(const fs::path& target) {
   return name;
 }
 
+void remove_all_stale(const fs::path& folder) {
+  for (StaleTemporary& stale : claim_stale_temporaries(folder)) stale.remove();
+}
+
 // Limits the size of files: writing beyond it fails as on a full disk.
 class FileSizeLimit {
  public:
@@ -170,7 +174,7 @@ TEST_CASE("files of the user's that resemble a temporary are left alone") {
   for (const std::string& name : names) REQUIRE(write_file(folder.path / name, "mine"));
   fs::create_directory(folder.path / ours);
   REQUIRE(write_file(target, "new"));
-  remove_stale_temporaries(folder.path);
+  remove_all_stale(folder.path);
   for (const std::string& name : names) CHECK_MESSAGE(content(folder.path / name) == "mine", name);
   CHECK(fs::is_directory(folder.path / ours));
   fs::remove(folder.path / ours);
@@ -200,7 +204,7 @@ TEST_CASE(
   CHECK(is_written == '1');
   CHECK(count_of(folder.path) == 1);
   REQUIRE(write_file(target, "new"));
-  remove_stale_temporaries(folder.path);
+  remove_all_stale(folder.path);
   CHECK(count_of(folder.path) == 2);
   kill(child, SIGKILL);
   waitpid(child, nullptr, 0);
@@ -211,6 +215,21 @@ TEST_CASE(
   CHECK(content(target) == "newer");
 }
 
+TEST_CASE("a claimed temporary is nobody else's, and knows its target") {
+  const tests::TemporaryFolder folder;
+  const fs::path stale = stale_temporary(folder.path / "out.mp4");
+  {
+    std::vector<StaleTemporary> claimed = claim_stale_temporaries(folder.path);
+    REQUIRE(claimed.size() == 1);
+    CHECK(claimed[0].target() == "out.mp4");
+    CHECK(claimed[0].path() == stale);
+    CHECK(claim_stale_temporaries(folder.path).empty());
+    REQUIRE(write_file(folder.path / "out.mp4", "new"));
+    CHECK(fs::exists(stale));
+  }
+  CHECK(claim_stale_temporaries(folder.path).size() == 1);
+}
+
 TEST_CASE("what dead processes left in a folder is removed whatever its target is") {
   const tests::TemporaryFolder folder;
   stale_temporary(folder.path / "a.mp4");
@@ -219,7 +238,7 @@ TEST_CASE("what dead processes left in a folder is removed whatever its target i
   OutputFiles files;
   REQUIRE(files.add(folder.path / "a.mp4"));
   CHECK(count_of(folder.path) == 3);  // a.mp4's went already
-  remove_stale_temporaries(folder.path);
+  remove_all_stale(folder.path);
   CHECK(count_of(folder.path) == 1);
 }
 
