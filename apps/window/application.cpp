@@ -29,29 +29,6 @@ double since(SteadyClock::time_point start) {
   return std::chrono::duration<double>(SteadyClock::now() - start).count();
 }
 
-// What a session has counted: the report adds up those of all sessions of a run.
-struct SessionCounts {
-  std::uint64_t ticks = 0, skipped_ticks = 0, steps = 0, skipped_steps = 0, events = 0, dropped_events = 0;
-};
-
-SessionCounts operator+(const SessionCounts& a, const SessionCounts& b) {
-  return {a.ticks + b.ticks,   a.skipped_ticks + b.skipped_ticks,
-          a.steps + b.steps,   a.skipped_steps + b.skipped_steps,
-          a.events + b.events, a.dropped_events + b.dropped_events};
-}
-
-SessionCounts counts_of(session::LiveSession* session) {
-  if (session == nullptr) return {};
-  const session::LiveState& state = session->state();
-  const haptics::ServoLoop& servo = session->servo();
-  SessionCounts counts{servo.compute().count(), servo.skipped_ticks(), state.steps, state.dropped_steps};
-  if (const auto live = session->sound_status()) {
-    counts.events = live->events;
-    counts.dropped_events = live->dropped_events;
-  }
-  return counts;
-}
-
 class Application {
  public:
   Application(const RunOptions& options, SdlWindow& window, Settings settings, SteadyClock::time_point start)
@@ -101,7 +78,6 @@ class Application {
   ScriptPlayer script_;
   PanelData panel_data_;
   RunReport report_;
-  SessionCounts earlier_;  // of the sessions before the present one
   FrameTimes times_;
   std::unique_ptr<Recorder> recorder_;
   std::future<std::vector<Result<session::RecoveredVideo>>> recovery_;
@@ -156,11 +132,7 @@ Result<RunReport> Application::run() {
     }
     if (commands.record) toggle_recording();
     std::string message = stage_.update(settings_, since(start_));
-    const SessionCounts counts = counts_of(stage_.session());
-    if (stage_.take_loaded(message)) {
-      earlier_ = earlier_ + counts;
-      begin_session();
-    }
+    if (stage_.take_loaded(message)) begin_session();
     post_message(message);
     if (recovery_.valid() && recovery_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
       report_recovered();
@@ -387,7 +359,7 @@ void Application::finish_report() {
   report_.frames = {times_.count(), times_.over(frame_deadline), times_.quantile(0.5), times_.quantile(0.99),
                     times_.quantile(1)};
   session::LiveSession* session = stage_.session();
-  const SessionCounts counts = earlier_ + counts_of(session);
+  const SessionCounts counts = stage_.counts();
   const sound::AudioStatus audio = stage_.audio()->status();
   report_.sound = {audio.buffers, audio.underruns, counts.events, counts.dropped_events, audio.peak_load, 0};
   if (session == nullptr) return;

@@ -1,9 +1,6 @@
 #include "window/recorder.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <fstream>
-#include <system_error>
 #include <utility>
 
 namespace intaglio::window {
@@ -17,12 +14,9 @@ Result<std::unique_ptr<Recorder>> Recorder::start(const std::filesystem::path& t
   made->fps_ = fps;
   auto video = session::VideoWriter::create(
       made->files_, target,
-      {.width = made->width_, .height = made->height_, .fps = fps, .is_recoverable = true});
+      {.width = made->width_, .height = made->height_, .fps = fps, .sound_rate = sample_rate});
   if (!video) return tl::unexpected(video.error());
   made->video_ = std::move(*video);
-  auto sound = made->video_->add_sound(sample_rate);
-  if (!sound) return tl::unexpected(sound.error());
-  made->sound_ = std::move(*sound);
   made->thread_ = std::thread([recorder = made.get()] { recorder->encode(); });
   return made;
 }
@@ -87,9 +81,7 @@ void Recorder::encode() {
 }
 
 Result<void> Recorder::encode(const Frame& frame, std::span<const float> audio) {
-  std::ofstream file(sound_.path, std::ios::binary | std::ios::app);
-  file.write(reinterpret_cast<const char*>(audio.data()), std::streamsize(audio.size_bytes()));
-  if (!file.flush()) return tl::unexpected(write_error(target_, errno));
+  if (auto added = video_->add_sound(audio); !added) return added;
   for (int k = 0; k < frame.times; ++k) {
     if (auto added = video_->add(frame.image); !added) return added;
   }
@@ -100,12 +92,7 @@ Result<void> Recorder::finish() {
   close();
   if (error_) return tl::unexpected(*error_);
   if (frames_ == 0) return fail(target_.string(), "nothing was recorded");
-  // Trims or pads the sound to the video's length.
-  std::error_code error;
-  std::filesystem::resize_file(sound_.path, 2 * sizeof(float) * std::size_t(seconds() * sound_.raw_rate),
-                               error);
-  if (error) return tl::unexpected(write_error(target_, error.value()));
-  if (const auto joined = video_->finish(sound_); !joined) return tl::unexpected(joined.error());
+  if (const auto joined = video_->finish(); !joined) return tl::unexpected(joined.error());
   return files_.commit();
 }
 

@@ -56,7 +56,6 @@ class Recorder {
   int width_ = 0, height_ = 0, fps_ = 30;
   OutputFiles files_;  // declared before the video, which writes to them
   std::unique_ptr<session::VideoWriter> video_;
-  session::SoundFile sound_;
   std::int64_t frames_ = 0;
   int pending_repeats_ = 0;  // for frames dropped while the queue was full
   std::thread thread_;

@@ -283,6 +283,24 @@ std::string Stage::update(const Settings& settings, double now) {
   return "";
 }
 
+void SessionCounts::add(session::LiveSession& session) {
+  const session::LiveState& state = session.state();
+  ticks += session.servo().compute().count();
+  skipped_ticks += session.servo().skipped_ticks();
+  steps += state.steps;
+  skipped_steps += state.dropped_steps;
+  if (const auto sound = session.sound_status()) {
+    events += sound->events;
+    dropped_events += sound->dropped_events;
+  }
+}
+
+SessionCounts Stage::counts() {
+  SessionCounts all = ended_;
+  if (session_) all.add(*session_);
+  return all;
+}
+
 bool Stage::take_loaded(std::string& message) {
   auto loaded = loader_.take();
   if (!loaded) return false;
@@ -293,6 +311,7 @@ bool Stage::take_loaded(std::string& message) {
   }
   if (session_) {
     session_->stop();
+    ended_.add(*session_);
     loaded->session->continue_counters(*session_);
   }
   if (session_ && loaded->request.keeps_bodies) loaded->session->follow(*session_);

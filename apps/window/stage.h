@@ -91,6 +91,14 @@ class PenDevice {
   double connecting_since_ = 0;
 };
 
+// Counters of a session's threads.
+struct SessionCounts {
+  std::uint64_t ticks = 0, skipped_ticks = 0, steps = 0, skipped_steps = 0, events = 0, dropped_events = 0;
+
+  // Adds those of a session.
+  void add(session::LiveSession& session);
+};
+
 class Stage {
  public:
   // Opens sound and the pen's device; returns a note if a fallback is used.
@@ -109,6 +117,8 @@ class Stage {
   bool take_loaded(std::string& message);
 
   session::LiveSession* session() { return session_.get(); }
+  // The sum over all sessions so far.
+  SessionCounts counts();
   const scene::Scene& scene() const { return scene_; }  // as its file has it, without the panels' changes
   void set_scene_file(const std::filesystem::path& file) { scene_file_ = file; }
   // Uses the shaders of this folder, and reloads them when they change.
@@ -147,6 +157,7 @@ class Stage {
   bool reload_shaders_ = false;                   // the renderer does not have those of the folder yet
   std::shared_ptr<haptics::Device> session_pen_;  // of session_, which it must outlive
   std::unique_ptr<session::LiveSession> session_;
+  SessionCounts ended_;  // of the sessions before it
   std::unique_ptr<scene::ScenePicture> picture_;
   std::unique_ptr<render::Renderer> renderer_;
   PictureOptions drawn_;

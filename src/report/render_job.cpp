@@ -162,7 +162,7 @@ Result<session::Recording> render(const scene::Scene& scene, const RenderJob& jo
   const auto wav =
       sound::add_wav(files, output(".wav"), recording.stereo, recording.sample_rate, {.channels = 2});
   if (!wav) return tl::unexpected(wav.error());
-  const auto mp4 = (*video)->finish({*wav});
+  const auto mp4 = (*video)->finish(*wav);
   if (!mp4) return tl::unexpected(mp4.error());
   recording.notes = surface->notes;
   recording.key_frames = std::move(pictures.key_frames());

@@ -1,9 +1,12 @@
 #include "session/video.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -23,7 +26,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// What the names of a video's temporaries have after the video's own.
+// Ends of the names of a video's temporaries, after the video's own.
 constexpr std::string_view picture_suffix = ".picture.mp4", sound_suffix = ".sound-";
 
 // ffmpeg says why it failed in the last line of its standard error.
@@ -35,16 +38,16 @@ tl::unexpected<Error> encoder_error(const fs::path& target, const std::string& w
   return fail(target.string(), reason.empty() ? what : what + ": " + reason, "is the disk full?");
 }
 
-// Joins an MP4 without sound and a sound file, if there is one, into another MP4.
+// Joins an MP4 without sound and a sound file, if there is one, into another MP4. With a raw_rate the sound
+// is plain 32-bit floats, cut or padded with silence to the picture's length.
 Result<void> mux(const fs::path& ffmpeg, const fs::path& target, const fs::path& picture,
-                 const SoundFile& sound, const std::vector<std::string>& options, const fs::path& to) {
+                 const fs::path& sound, int raw_rate, const fs::path& to) {
   std::vector<std::string> arguments{"-v", "error", "-y", "-i", picture.string()};
-  if (!sound.path.empty()) {
-    if (sound.raw_rate > 0) {
-      arguments.insert(arguments.end(), {"-f", "f32le", "-ar", std::to_string(sound.raw_rate), "-ac", "2"});
-    }
-    arguments.insert(arguments.end(), {"-i", sound.path.string(), "-c:a", "aac", "-b:a", "192k"});
-    arguments.insert(arguments.end(), options.begin(), options.end());
+  if (!sound.empty()) {
+    if (raw_rate > 0)
+      arguments.insert(arguments.end(), {"-f", "f32le", "-ar", std::to_string(raw_rate), "-ac", "2"});
+    arguments.insert(arguments.end(), {"-i", sound.string(), "-c:a", "aac", "-b:a", "192k"});
+    if (raw_rate > 0) arguments.insert(arguments.end(), {"-af", "apad", "-shortest"});
   }
   arguments.insert(arguments.end(), {"-c:v", "copy", "-movflags", "+faststart", to.string()});
   auto joining = Process::start(ffmpeg, arguments);
@@ -71,7 +74,7 @@ Result<std::unique_ptr<VideoWriter>> VideoWriter::create(OutputFiles& files, con
   const auto ffmpeg = find_ffmpeg();
   if (!ffmpeg) return tl::unexpected(ffmpeg.error());
   if (auto named = check_extension(target, ".mp4", "an MP4"); !named) return tl::unexpected(named.error());
-  std::unique_ptr<VideoWriter> writer(new VideoWriter(files));
+  std::unique_ptr<VideoWriter> writer(new VideoWriter(files, format));
   writer->ffmpeg_ = *ffmpeg;
   writer->target_ = target;
   auto muxed = files.add(target);
@@ -80,6 +83,12 @@ Result<std::unique_ptr<VideoWriter>> VideoWriter::create(OutputFiles& files, con
   auto video_only = files.add_scratch(fs::path(target).concat(picture_suffix));
   if (!video_only) return tl::unexpected(video_only.error());
   writer->video_only_ = std::move(*video_only);
+  if (format.sound_rate > 0) {
+    auto sound =
+        files.add_scratch(fs::path(target).concat(fmt::format("{}{}.f32", sound_suffix, format.sound_rate)));
+    if (!sound) return tl::unexpected(sound.error());
+    writer->sound_ = std::move(*sound);
+  }
   // A socket rather than a pipe: when the encoder dies, writing to a pipe raises SIGPIPE in the host.
   int ends[2];
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
@@ -92,7 +101,7 @@ Result<std::unique_ptr<VideoWriter>> VideoWriter::create(OutputFiles& files, con
   arguments.insert(arguments.end(), {"-r", std::to_string(format.fps), "-i", "pipe:0", "-an"});
   arguments.insert(arguments.end(), {"-c:v", "libx264", "-preset", "veryfast", "-crf", "18"});
   arguments.insert(arguments.end(), {"-threads", "1", "-pix_fmt", "yuv420p"});
-  if (format.is_recoverable) {
+  if (format.sound_rate > 0) {
     arguments.insert(arguments.end(), {"-movflags", "+empty_moov+default_base_moof", "-frag_duration",
                                        "250000", "-flush_packets", "1"});
   }
@@ -123,20 +132,45 @@ Result<void> VideoWriter::add(const Image8& frame) {
   return {};
 }
 
-Result<SoundFile> VideoWriter::add_sound(int rate) {
-  const auto file = files_.add_scratch(fs::path(target_).concat(fmt::format("{}{}.f32", sound_suffix, rate)));
-  if (!file) return tl::unexpected(file.error());
-  return SoundFile{*file, rate};
+Result<void> VideoWriter::add_sound(std::span<const float> stereo) {
+  const int file = open(sound_.c_str(), O_WRONLY | O_APPEND | O_NOFOLLOW | O_CLOEXEC);
+  const auto* bytes = reinterpret_cast<const char*>(stereo.data());
+  std::size_t left = stereo.size_bytes();
+  while (file >= 0 && left > 0) {
+    const ssize_t written = write(file, bytes, left);
+    if (written < 0 && errno != EINTR) break;
+    bytes += std::max<ssize_t>(written, 0);
+    left -= std::size_t(std::max<ssize_t>(written, 0));
+  }
+  const int reason = errno;
+  if (file >= 0) close(file);
+  if (file < 0 || left > 0) return tl::unexpected(write_error(target_, reason));
+  return {};
 }
 
-Result<fs::path> VideoWriter::finish(const SoundFile& sound) {
+Result<fs::path> VideoWriter::finish(const fs::path& sound, int raw_rate) {
   close(socket_);
   socket_ = -1;
   if (auto encoded = encoder_->wait(); !encoded)
     return encoder_error(target_, "the video encoder failed", encoded);
-  if (auto muxed = mux(ffmpeg_, target_, video_only_, sound, {}, muxed_); !muxed)
+  if (auto muxed = mux(ffmpeg_, target_, video_only_, sound, raw_rate, muxed_); !muxed)
     return tl::unexpected(muxed.error());
   return muxed_;
+}
+
+Result<fs::path> VideoWriter::finish() {
+  std::error_code error;
+  const bool is_silent = fs::file_size(sound_, error) == 0;
+  // An empty file would be no sound at all, where a video of silence is meant.
+  if (is_silent) {
+    const std::array<float, 2> silence{};
+    if (auto added = add_sound(silence); !added) return tl::unexpected(added.error());
+  }
+  return finish(sound_, format_.sound_rate);
+}
+
+Result<fs::path> VideoWriter::finish(const fs::path& wav) {
+  return finish(wav, 0);
 }
 
 Result<fs::path> VideoWriter::finish(std::span<const float> stereo, int sample_rate) {
@@ -144,13 +178,13 @@ Result<fs::path> VideoWriter::finish(std::span<const float> stereo, int sample_r
   if (!wav) return tl::unexpected(wav.error());
   if (auto filled = sound::fill_wav(*wav, target_, stereo, sample_rate, {.channels = 2}); !filled)
     return tl::unexpected(filled.error());
-  return finish(SoundFile{*wav});
+  return finish(*wav);
 }
 
 namespace {
 
-// The duration in an MP4's header, which ffmpeg puts first (+faststart): version 0 of `mvhd`, seconds; 0 where
-// there is none.
+// The duration in an MP4's header, which ffmpeg puts first (+faststart): version 0 of `mvhd`, seconds; 0
+// where there is none.
 double mp4_seconds(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);
   std::string head(4096, '\0');
@@ -175,9 +209,8 @@ Result<RecoveredVideo> recover(fs::path target, const StaleTemporary& picture, c
   OutputFiles files;
   const auto muxed = files.add(target);
   if (!muxed) return tl::unexpected(muxed.error());
-  // The sound may be longer than the picture, whose last frames were lost, or end before it.
-  const SoundFile file = sound != nullptr ? SoundFile{sound->path(), rate} : SoundFile{};
-  if (auto done = mux(*ffmpeg, target, picture.path(), file, {"-af", "apad", "-shortest"}, *muxed); !done)
+  const fs::path file = sound != nullptr ? sound->path() : fs::path();
+  if (auto done = mux(*ffmpeg, target, picture.path(), file, rate, *muxed); !done)
     return tl::unexpected(done.error());
   const double seconds = mp4_seconds(*muxed);
   if (auto committed = files.commit(); !committed) return tl::unexpected(committed.error());

@@ -27,14 +27,7 @@ Result<std::filesystem::path> find_ffmpeg();
 struct VideoFormat {
   int width = 640, height = 360;  // pixels, even
   int fps = 30;                   // frames per second
-  bool is_recoverable = false;
-};
-
-// A file that ffmpeg knows by its name, or with a raw_rate (Hz) plain 32-bit floats, left and right
-// interleaved.
-struct SoundFile {
-  std::filesystem::path path;
-  int raw_rate = 0;
+  int sound_rate = 0;             // Hz: the sound comes with the frames, and the video is recoverable
 };
 
 class VideoWriter {
@@ -47,19 +40,24 @@ class VideoWriter {
   VideoWriter& operator=(const VideoWriter&) = delete;
 
   Result<void> add(const Image8& frame);
-  // A recoverable video's file for the sound, of the set: the caller appends to it as the sound is made.
-  Result<SoundFile> add_sound(int rate);
-  // Muxes the frames with the sound of a file, which may be a temporary of the set; returns the MP4's
-  // temporary.
-  Result<std::filesystem::path> finish(const SoundFile& sound);
-  // The same with samples, left and right interleaved.
+  // Appends to the sound of a recoverable video: left and right interleaved.
+  Result<void> add_sound(std::span<const float> stereo);
+  // Muxes the frames with the sound that came with them, trimmed or padded with silence to their length;
+  // returns the MP4's temporary.
+  Result<std::filesystem::path> finish();
+  // The same with the sound of a WAV file, which may be a temporary of the set.
+  Result<std::filesystem::path> finish(const std::filesystem::path& wav);
+  // The same with samples.
   Result<std::filesystem::path> finish(std::span<const float> stereo, int sample_rate);
 
  private:
-  explicit VideoWriter(OutputFiles& files) : files_(files) {}
+  VideoWriter(OutputFiles& files, const VideoFormat& format) : files_(files), format_(format) {}
+
+  Result<std::filesystem::path> finish(const std::filesystem::path& sound, int raw_rate);
 
   OutputFiles& files_;
-  std::filesystem::path ffmpeg_, target_, video_only_, muxed_;
+  VideoFormat format_;
+  std::filesystem::path ffmpeg_, target_, video_only_, sound_, muxed_;
   int socket_ = -1;
   std::optional<Process> encoder_;
 };
@@ -70,8 +68,8 @@ struct RecoveredVideo {
 };
 
 // Puts together the recoverable videos that killed processes left in a folder, each under the name that it
-// was to get, and removes their temporaries and all other stale ones there. What cannot be put together is an
-// error, and its temporaries stay. Takes as long as copying the files.
+// was to get, and removes their temporaries and all other stale ones there. A video that cannot be put
+// together is an error, and its temporaries stay. Takes as long as copying the files.
 std::vector<Result<RecoveredVideo>> recover_videos(const std::filesystem::path& folder);
 
 }  // namespace intaglio::session
