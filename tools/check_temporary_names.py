@@ -18,7 +18,7 @@ WRONG = [  # pattern, what to write instead
     (re.compile(r"\b(?:tmpnam|tempnam|tmpnam_r)\s*\(|\btempfile\.mktemp\b|\bmktemp\s+(?:-\w*\s+)*-\w*u"), "a name without its file can be taken by others; create the file or folder with it"),
     (re.compile(r"\b(?:std::)?s?rand\s*\("), "the same numbers in every process; core/random.h has a seed"),
     (re.compile(r"\b(?:shm_open|sem_open|mq_open)\s*\("), "a name for the whole machine"),
-    (re.compile(r"\bgetpid\s*\("), "a process id is not unique: an earlier process had it and may have left files behind"),
+    (re.compile(r"\bgetpid\s*\((?!.*// Not in a name)"), "a process id is not unique: an earlier process had it and may have left files behind"),
     (re.compile(r"\bXvfb\s+:\d|\bxvfb-run\s+(?!.*(?:-a\b|--auto))"), "a fixed display; Xvfb -displayfd, or xvfb-run -a"),
     (re.compile(r'"\$intaglio" devices serve\b(?!.*--port)'), "a fixed port; --port 0 prints a free one"),
 ]

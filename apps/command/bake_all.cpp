@@ -11,9 +11,11 @@
 #include <utility>
 
 #include "command/bake.h"
+#include "command/stop.h"
 #include "core/file.h"
 #include "core/hash.h"
 #include "core/process.h"
+#include "core/text.h"
 #include "core/toml.h"
 #include "sound/bake/fem/tet_mesh.h"
 #include "sound/model_file.h"
@@ -33,7 +35,7 @@ bool is_mesh(const fs::path& path) {
 
 struct Job {
   fs::path mesh, model;
-  const char* state = "";  // "baked", "up to date", "failed"
+  std::string state = {};  // "baked", "up to date", "failed"; "stopped" or empty where the command was
 };
 
 Result<std::vector<Job>> list_jobs(const BakeArguments& options) {
@@ -104,6 +106,66 @@ void print_summary(const std::vector<Job>& jobs, const BakeArguments& options) {
   }
 }
 
+// The bakes of all jobs, some at once.
+class Bakes {
+ public:
+  Bakes(std::vector<Job>& jobs, bool says) : jobs_(jobs), says_(says) {}
+
+  // Until all have ended or the command is interrupted.
+  void run(const BakeArguments& options, const Material& material) {
+    for (Job& job : jobs_) {
+      BakeArguments job_options = options;
+      job_options.mesh = job.mesh.string();
+      job_options.output = job.model.string();
+      if (interrupted) return;
+      if (is_up_to_date(job, job_options, material)) {
+        finish(job, "up to date");
+        continue;
+      }
+      wait([&] { return interrupted || std::cmp_less(running_.size(), options.jobs); });
+      if (interrupted) return;
+      if (auto child = spawn_bake(job_options)) {
+        running_.emplace_back(std::move(*child), &job);
+      } else {
+        report(child.error());
+        finish(job, "failed");
+      }
+    }
+    wait([&] { return interrupted || running_.empty(); });
+  }
+
+  // Each child removes its temporaries.
+  void stop() {
+    for (const auto& [child, job] : running_) child.terminate();
+    wait([&] { return running_.empty(); });
+  }
+
+ private:
+  template <class Condition>
+  void wait(const Condition& is_over) {
+    while (!is_over()) {
+      for (auto at = running_.begin(); at != running_.end();) {
+        const auto ended = at->first.poll();
+        if (ended) finish(*at->second, *ended ? "baked" : interrupted ? "stopped" : "failed");
+        at = ended ? running_.erase(at) : std::next(at);
+      }
+      if (!is_over()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  }
+
+  void finish(Job& job, const char* state) {
+    job.state = state;
+    ++done_;
+    if (says_ && !interrupted) fmt::print("[{}/{}] {}: {}\n", done_, jobs_.size(), job.model.string(), state);
+    std::fflush(stdout);
+  }
+
+  std::vector<Job>& jobs_;
+  bool says_;
+  std::list<std::pair<Process, Job*>> running_;
+  std::size_t done_ = 0;
+};
+
 }  // namespace
 
 Result<std::string> source_hash(const BakeArguments& options, const Material& material) {
@@ -144,47 +206,20 @@ int bake_all(const BakeArguments& options, const Common& common) {
   if (!material) return report(material.error());
   auto jobs = list_jobs(options);
   if (!jobs) return report(jobs.error());
-  std::list<std::pair<Process, Job*>> running;
-  std::size_t done = 0;
-  const auto finish = [&](Job& job, const char* state) {
-    job.state = state;
-    ++done;
-    if (!common.quiet && !options.json)
-      fmt::print("[{}/{}] {}: {}\n", done, jobs->size(), job.model.string(), state);
-    std::fflush(stdout);
-  };
-  const auto wait_for_one = [&] {
-    while (true) {
-      for (auto at = running.begin(); at != running.end(); ++at) {
-        const auto ended = at->first.poll();
-        if (!ended) continue;
-        finish(*at->second, *ended ? "baked" : "failed");
-        running.erase(at);
-        return;
-      }
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-  };
-  for (Job& job : *jobs) {
-    BakeArguments job_options = options;
-    job_options.mesh = job.mesh.string();
-    job_options.output = job.model.string();
-    if (is_up_to_date(job, job_options, *material)) {
-      finish(job, "up to date");
-      continue;
-    }
-    if (std::cmp_greater_equal(running.size(), options.jobs)) wait_for_one();
-    if (auto child = spawn_bake(job_options)) {
-      running.emplace_back(std::move(*child), &job);
-    } else {
-      report(child.error());
-      finish(job, "failed");
-    }
+  end_gracefully();
+  Bakes bakes(*jobs, !common.quiet && !options.json);
+  bakes.run(options, *material);
+  if (interrupted) {
+    bakes.stop();
+    const auto whole = std::count_if(jobs->begin(), jobs->end(), [](const Job& job) {
+      return job.state == "baked" || job.state == "up to date";
+    });
+    print_error(fmt::format("intaglio: interrupted: {} of {} models are baked; run it again for the others\n",
+                            whole, jobs->size()));
+    return interrupted_code();
   }
-  while (!running.empty()) wait_for_one();
   print_summary(*jobs, options);
-  return std::any_of(jobs->begin(), jobs->end(),
-                     [](const Job& job) { return job.state == std::string("failed"); });
+  return std::any_of(jobs->begin(), jobs->end(), [](const Job& job) { return job.state == "failed"; });
 }
 
 }  // namespace intaglio::app

@@ -10,6 +10,7 @@
 #include <memory>
 #include <thread>
 
+#include "command/stop.h"
 #include "command/verb.h"
 #include "core/text.h"
 #include "haptics/vrpn/client.h"
@@ -98,7 +99,7 @@ int run_list(const ListArguments& options) {
 }
 
 int run_serve(const ServeArguments& options, const Common& common) {
-  catch_interrupts();
+  end_gracefully();
   const auto say = [&](const std::string& line) {
     if (common.quiet) return;
     fmt::print("{}\n", line);
@@ -330,7 +331,7 @@ int run_monitor(const MonitorArguments& options, const Common& common) {
     return 2;
   }
   address->tcp_only = address->tcp_only || options.tcp;
-  catch_interrupts();
+  end_gracefully();
   const auto client = Client::connect(*address, {std::chrono::seconds(3), &interrupted});
   if (!client) return client.error().fault == LinkFault::stopped ? 0 : report_link(client.error());
   Printer printer(options.json);

@@ -18,6 +18,7 @@
 #include <system_error>
 #include <vector>
 
+#include "command/stop.h"
 #include "command/verb.h"
 #include "core/text.h"
 #include "intaglio/version.h"
@@ -25,6 +26,7 @@
 namespace intaglio::app {
 
 int report(const Error& error) {
+  wait_if_stopped();
   print_error(fmt::format("intaglio: {}\n", error.message()));
   return 1;
 }
@@ -39,17 +41,6 @@ surface::Green parse_green(const std::string& text) {
 
 surface::Polarity parse_polarity(const std::string& text) {
   return text == "height" ? surface::Polarity::height : surface::Polarity::depth;
-}
-
-std::atomic<bool> interrupted{false};
-static_assert(std::atomic<bool>::is_always_lock_free);  // as a signal handler needs it
-
-void catch_interrupts() {
-  struct sigaction action {};
-  action.sa_handler = [](int) { interrupted = true; };
-  action.sa_flags = SA_RESETHAND | SA_RESTART;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
 }
 
 namespace {
@@ -92,6 +83,7 @@ void open_closed_streams() {
 
 // An exit code of 0 promises that all that was printed has arrived.
 int flush_output(int code) {
+  wait_if_stopped();
   if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
   return report({"standard output", fmt::format("cannot be written: {}", std::strerror(errno)), ""});
 }
@@ -128,6 +120,7 @@ std::optional<Error> unknown_verb(const CLI::App& app, int argc, char** argv) {
 
 int main(int argc, char** argv) {
   intaglio::app::open_closed_streams();
+  intaglio::app::watch_for_stop();
   std::signal(SIGCHLD, SIG_DFL);  // a parent that ignores it would hide how children end
   CLI::App app(
       "Intaglio: one texture decides what is seen, felt, heard and how things move on a surface.\n"
@@ -136,7 +129,8 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.set_version_flag("--version", std::string("intaglio ") + intaglio::version());
   intaglio::app::Common common;
-  app.add_flag("-q,--quiet", common.quiet, "No progress bar, no summary; errors only");
+  app.add_flag("-q,--quiet", common.quiet, "No progress bar, no summary; errors only")
+      ->each([](const std::string&) { intaglio::app::stop_quietly(); });
   app.fallthrough();
   intaglio::app::add_run(app, common);
   intaglio::app::add_render(app, common);

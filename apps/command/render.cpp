@@ -51,16 +51,11 @@ int run_render(const RenderArguments& options, const Common& common) {
   auto scene = scene::read_scene(options.scene);
   if (!scene) return report(scene.error());
   override_scene(options, *scene);
-  catch_interrupts();
   // Mesa's llvmpipe draws with as many threads as this says; the user's setting wins. Set before any thread
-  // starts.
+  // starts that reads the environment.
   setenv("LP_NUM_THREADS", std::to_string(options.threads > 1 ? options.threads : 0).c_str(), 0);
-  const auto recording =
-      report::render(*scene, {options.output, options.threads, common.quiet, &interrupted});
-  if (!recording) {
-    const int code = report(recording.error());
-    return interrupted ? 130 : code;
-  }
+  const auto recording = report::render(*scene, {options.output, options.threads, common.quiet});
+  if (!recording) return report(recording.error());
   if (!common.quiet) print_summary(*recording, options.output);
   return 0;
 }

@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "command/stop.h"
 #include "command/verb.h"
 #include "core/file.h"
 #include "window/application.h"
@@ -102,6 +103,18 @@ void print_summary(const window::RunReport& r) {
   for (const std::string& message : r.messages) fmt::print("  message: {}\n", message);
 }
 
+// Prints how a run went; returns its exit code.
+int print_end(const window::RunReport& done, const RunArguments& arguments, const Common& common) {
+  if (done.frames.count == 0 && !done.messages.empty() && !interrupted)
+    return report({"", done.messages.back(), ""});
+  if (arguments.json) {
+    print_report_json(done);
+  } else if (!common.quiet) {
+    print_summary(done);
+  }
+  return interrupted ? interrupted_code() : 0;
+}
+
 int run(const RunArguments& arguments, const Common& common) {
   window::RunOptions options;
   auto scene =
@@ -130,17 +143,14 @@ int run(const RunArguments& arguments, const Common& common) {
   if (arguments.scale > 0) options.interface_scale = arguments.scale;
   options.keeps_settings = !arguments.fresh;
   options.interrupted = &interrupted;
-  catch_interrupts();
-  const auto done = window::run(options);
-  if (!done) return report(done.error());
-  if (done->frames.count == 0 && !done->messages.empty() && !interrupted)
-    return report({"", done->messages.back(), ""});
-  if (arguments.json) {
-    print_report_json(*done);
-  } else if (!common.quiet) {
-    print_summary(*done);
-  }
-  return interrupted ? 130 : 0;
+  end_gracefully();
+  int code = 0;
+  const auto ended = window::run(options, [&](const window::RunReport& done) {
+    code = print_end(done, arguments, common);
+    std::fflush(stdout);
+    end_soon(code);
+  });
+  return ended ? code : report(ended.error());
 }
 
 }  // namespace

@@ -1,12 +1,11 @@
 // A verb of the `intaglio` command: adds its options to the parser and, when chosen, runs and returns the
 // exit code.
 //
-// Exit codes: 0 done; 1 the work failed (a file, a device, a bad scene); 2 the command line is wrong; 130
-// interrupted.
+// Exit codes: 0 done; 1 the work failed (a file, a device, a bad scene); 2 the command line is wrong; 130,
+// 143 stopped by SIGINT, SIGTERM (stop.h).
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <atomic>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
@@ -38,9 +37,5 @@ void print_json(const nlohmann::json& json);
 // The values of --green (+Y or -Y) and --polarity (height or depth).
 surface::Green parse_green(const std::string& text);
 surface::Polarity parse_polarity(const std::string& text);
-
-// Set by the first SIGINT or SIGTERM after catch_interrupts(); the second one ends the program.
-extern std::atomic<bool> interrupted;
-void catch_interrupts();
 
 }  // namespace intaglio::app

@@ -5,11 +5,9 @@
 //
 //   request: "intaglio-netgen 1", element size, number of points and triangles, then all of them
 //   result:  "intaglio-tetrahedra 1", number of points and tetrahedra, then all of them; indices from 0
-#include <sys/prctl.h>
 #include <unistd.h>
 
 #include <array>
-#include <csignal>
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
@@ -92,9 +90,6 @@ int fill(Request& request, const char* result) {
 }  // namespace
 
 int main(int count, char** arguments) {
-  // Dies with its parent. The signal comes when the parent's thread that spawned this one ends, so that
-  // thread waits.
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
   Request request;
   if (count != 3 || !read(arguments[1], request)) _exit(2);
   int code = 4;

@@ -372,7 +372,7 @@ void Application::finish_report() {
 
 }  // namespace
 
-Result<RunReport> run(const RunOptions& options) {
+Result<void> run(const RunOptions& options, const std::function<void(const RunReport&)>& ended) {
   const auto start = SteadyClock::now();
   Settings settings;
   const std::filesystem::path file = options.keeps_settings && !config_folder().empty()
@@ -387,7 +387,7 @@ Result<RunReport> run(const RunOptions& options) {
   if (!window) return tl::unexpected(window.error());
   Application application(options, **window, settings, start);
   auto report = application.run();
-  if (!report) return report;
+  if (!report) return tl::unexpected(report.error());
   if (!read) report->messages.push_back(read.error().message());
   Settings kept = application.settings();
   const WindowSize size = (*window)->size();
@@ -397,7 +397,8 @@ Result<RunReport> run(const RunOptions& options) {
   if (read)
     if (const auto written = write_settings(file, kept); !written)
       report->messages.push_back(written.error().message());
-  return report;
+  ended(*report);
+  return {};
 }
 
 }  // namespace intaglio::window

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -63,7 +64,9 @@ struct RunReport {
   bool was_baking = false;                 // a model was being baked at the end, and was abandoned
 };
 
-Result<RunReport> run(const RunOptions& options);
+// Calls `ended` when the window has been left, the recording is saved and the settings are written: what
+// follows joins threads, whose bakes, imports and look-ups may take seconds. It may end the process.
+Result<void> run(const RunOptions& options, const std::function<void(const RunReport&)>& ended);
 
 // Frame times: for the panel, the report and adaptive resolution.
 class FrameTimes {

@@ -54,7 +54,7 @@ class Recorder {
 
   std::filesystem::path target_;
   int width_ = 0, height_ = 0, fps_ = 30;
-  OutputFiles files_;  // declared before the video, which writes to them
+  OutputFiles files_{OutputFiles::WhenStopped::keep};  // declared before the video, which writes to them
   std::unique_ptr<session::VideoWriter> video_;
   std::int64_t frames_ = 0;
   int pending_repeats_ = 0;  // for frames dropped while the queue was full

@@ -12,6 +12,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <mutex>
 #include <string>
 #include <system_error>
 #include <thread>
@@ -180,6 +181,21 @@ bool exchange(const fs::path& a, const fs::path& b) {
   return renameat2(AT_FDCWD, a.c_str(), AT_FDCWD, b.c_str(), RENAME_EXCHANGE) == 0;
 }
 
+// The sets that have temporaries or may get some. Locked while a temporary appears or vanishes and while
+// files are renamed. Never destroyed: it is used while the program ends.
+struct Live {
+  std::timed_mutex mutex;
+  std::vector<OutputFiles*> sets;
+  std::size_t committed = 0;  // files
+};
+
+Live& live() {
+  static Live& all = *new Live;
+  return all;
+}
+
+using LiveLock = std::lock_guard<std::timed_mutex>;
+
 }  // namespace
 
 Error write_error(const fs::path& path, int reason) {
@@ -239,22 +255,35 @@ std::vector<StaleTemporary> claim_stale_temporaries(const fs::path& folder) {
   return claimed;
 }
 
+OutputFiles::OutputFiles(WhenStopped when_stopped) : when_stopped_(when_stopped) {
+  const LiveLock lock(live().mutex);
+  live().sets.push_back(this);
+}
+
 OutputFiles::~OutputFiles() {
+  const LiveLock lock(live().mutex);
+  std::erase(live().sets, this);
   clear();
 }
 
 // Removes what is at the temporaries' names, except old files that could not be put back.
-void OutputFiles::clear() {
+void OutputFiles::remove_temporaries() const {
   for (const File& file : files_) {
     if (file.state == State::written && is_same_file(file.descriptor, file.temporary))
       unlink(file.temporary.c_str());
+  }
+}
+
+void OutputFiles::clear() {
+  remove_temporaries();
+  for (const File& file : files_) {
     close(file.descriptor);
     if (file.old >= 0) close(file.old);
   }
   files_.clear();
 }
 
-Result<OutputFiles::File> OutputFiles::create(const fs::path& target, bool is_scratch) {
+Result<fs::path> OutputFiles::create(const fs::path& target, bool is_scratch) {
   Result<fs::path> followed = target;
   if (!is_scratch) {
     if (auto checked = check_target(target); !checked) return tl::unexpected(checked.error());
@@ -279,24 +308,20 @@ Result<OutputFiles::File> OutputFiles::create(const fs::path& target, bool is_sc
   if (!is_scratch && lstat(file.target.c_str(), &old) == 0)
     file.kept = {old.st_mode & 07777, old.st_uid, old.st_gid};
   // Private until commit(): the file that it replaces may be one that others cannot read.
+  const LiveLock lock(live().mutex);
   const auto temporary = create_temporary(file.target, file.kept ? 0600 : 0666);
   if (!temporary) return tl::unexpected(write_error(target, temporary.error()));
   std::tie(file.temporary, file.descriptor) = *temporary;
-  return file;
-}
-
-Result<fs::path> OutputFiles::keep(Result<File> file) {
-  if (!file) return tl::unexpected(file.error());
-  files_.push_back(std::move(*file));
+  files_.push_back(std::move(file));
   return files_.back().temporary;
 }
 
 Result<fs::path> OutputFiles::add(const fs::path& target) {
-  return keep(create(target, false));
+  return create(target, false);
 }
 
 Result<fs::path> OutputFiles::add_scratch(const fs::path& target) {
-  return keep(create(target, true));
+  return create(target, true);
 }
 
 Result<void> OutputFiles::write(const fs::path& target, std::span<const std::uint8_t> bytes) {
@@ -386,7 +411,19 @@ Result<void> OutputFiles::commit() {
     folders.push_back(file.target.parent_path());
   }
   const bool is_alone = folders.size() == 1;
+  const std::size_t count = folders.size();
   const LockedFolders locked(std::move(folders), !is_alone);
+  {
+    const LiveLock lock(live().mutex);
+    if (auto placed = put_all_in_place(is_alone); !placed) return placed;
+    live().committed += count;
+    clear();
+  }
+  locked.flush();
+  return {};
+}
+
+Result<void> OutputFiles::put_all_in_place(bool is_alone) {
   for (File& file : files_) {
     if (file.is_scratch) continue;
     if (auto placed = put_in_place(file, is_alone); !placed) {
@@ -397,9 +434,22 @@ Result<void> OutputFiles::commit() {
   for (File& file : files_) {
     if (file.state == State::replaced) unlink(file.temporary.c_str());
   }
-  locked.flush();
-  clear();
   return {};
+}
+
+AbandonedOutputs abandon_outputs() {
+  Live& all = live();
+  // Never unlocked. Where renaming takes longer than any disk does, its end is not waited for.
+  if (!all.mutex.try_lock_for(std::chrono::seconds(2))) return {};
+  AbandonedOutputs out{all.committed, 0};
+  for (const OutputFiles* set : all.sets) {
+    if (set->when_stopped_ == OutputFiles::WhenStopped::remove) {
+      set->remove_temporaries();
+    } else if (!set->files_.empty()) {
+      ++out.kept;
+    }
+  }
+  return out;
 }
 
 }  // namespace intaglio

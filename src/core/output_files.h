@@ -43,9 +43,17 @@
 
 namespace intaglio {
 
+struct AbandonedOutputs {
+  std::size_t committed = 0;  // files that this process has put in place since it began
+  std::size_t kept = 0;       // sets whose temporaries are kept
+};
+
 class OutputFiles {
  public:
-  OutputFiles() = default;
+  // Whether abandon_outputs() removes the temporaries. Recordings are kept, for what can be saved of them.
+  enum class WhenStopped { remove, keep };
+
+  explicit OutputFiles(WhenStopped when_stopped = WhenStopped::remove);
   ~OutputFiles();  // removes what was not committed
   OutputFiles(const OutputFiles&) = delete;
   OutputFiles& operator=(const OutputFiles&) = delete;
@@ -83,13 +91,16 @@ class OutputFiles {
     std::optional<Permissions> kept;  // the permissions of the replaced file
   };
 
-  Result<File> create(const std::filesystem::path& target, bool is_scratch);
-  Result<std::filesystem::path> keep(Result<File> file);
+  Result<std::filesystem::path> create(const std::filesystem::path& target, bool is_scratch);
   static Result<void> flush(const File& file);
   static Result<void> put_in_place(File& file, bool is_alone);
+  Result<void> put_all_in_place(bool is_alone);
   std::string undo();
+  void remove_temporaries() const;
   void clear();
+  friend AbandonedOutputs abandon_outputs();
 
+  WhenStopped when_stopped_;
   std::vector<File> files_;
 };
 
@@ -118,6 +129,11 @@ class StaleTemporary {
 // All that dead processes left in a folder. The next write of the same target removes them by itself; where
 // each file gets a new name, as recordings do, somebody has to look.
 std::vector<StaleTemporary> claim_stale_temporaries(const std::filesystem::path& folder);
+
+// For a program that ends next, in whatever state its threads are: waits until no set is being put in place,
+// then removes the temporaries of all sets of this process. From then on no thread that adds or commits files
+// returns.
+AbandonedOutputs abandon_outputs();
 
 // The error of a write that failed with `reason`, an errno; a full disk is named as such.
 Error write_error(const std::filesystem::path& path, int reason);

@@ -3,9 +3,10 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
+#include <pthread.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -14,9 +15,8 @@
 #include <cctype>
 #include <cerrno>
 #include <chrono>
-#include <cstdlib>
 #include <cstring>
-#include <string_view>
+#include <mutex>
 #include <thread>
 #include <utility>
 
@@ -25,8 +25,6 @@ extern char** environ;
 namespace intaglio {
 
 namespace {
-
-constexpr int status_descriptor = 3;  // in the shell
 
 // A file descriptor that is closed at the end of the scope.
 struct Descriptor {
@@ -47,60 +45,115 @@ bool children_are_discarded() {
   return action.sa_handler == SIG_IGN || (action.sa_flags & SA_NOCLDWAIT) != 0;
 }
 
-struct SpawnSettings {
-  posix_spawn_file_actions_t actions{};
-  posix_spawnattr_t attributes{};
-
-  SpawnSettings(const SpawnOptions& options, bool own_group, int errors, int status) {
-    posix_spawn_file_actions_init(&actions);
-    if (options.input >= 0) {
-      posix_spawn_file_actions_adddup2(&actions, options.input, STDIN_FILENO);
-    } else {
-      posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-    }
-    if (!options.share_output) {
-      posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-      posix_spawn_file_actions_adddup2(&actions, errors, STDERR_FILENO);
-    }
-    if (status >= 0) posix_spawn_file_actions_adddup2(&actions, status, status_descriptor);
-    if (!options.folder.empty()) posix_spawn_file_actions_addchdir_np(&actions, options.folder.c_str());
-    posix_spawnattr_init(&attributes);
-    // A host that ignores or blocks signals must not pass that on.
-    sigset_t defaults, none;
-    sigemptyset(&defaults);
-    sigaddset(&defaults, SIGCHLD);
-    sigaddset(&defaults, SIGPIPE);
-    sigemptyset(&none);
-    posix_spawnattr_setsigdefault(&attributes, &defaults);
-    posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setpgroup(&attributes, 0);
-    posix_spawnattr_setflags(&attributes, short(POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK |
-                                                (own_group ? POSIX_SPAWN_SETPGROUP : 0)));
-  }
-  SpawnSettings(const SpawnSettings&) = delete;
-  SpawnSettings& operator=(const SpawnSettings&) = delete;
-  ~SpawnSettings() {
-    posix_spawn_file_actions_destroy(&actions);
-    posix_spawnattr_destroy(&attributes);
-  }
+// The child's program and surroundings. They are prepared before the child exists, because until execve() it
+// shares the host's memory, or has a copy of it in which any lock may be held: it makes system calls only.
+struct Plan {
+  const char* program;
+  char* const* arguments;
+  const char* folder;  // null: the host's
+  int input, errors;   // descriptors; -1: /dev/null, shared
+  bool is_leader;      // of a process group of its own
+  rlim_t memory;       // bytes of address space; 0: no limit
+  int failure;         // pipe for the errno of what failed; execve() closes it
+  pid_t parent;
 };
 
-// The command line: of the program, or of a shell that runs it and writes its status to a pipe.
-std::vector<std::string> command(const std::filesystem::path& program,
-                                 const std::vector<std::string>& arguments, double memory_mb,
-                                 bool below_shell) {
-  std::vector<std::string> words;
-  if (below_shell) {
-    std::error_code ignored;
-    const bool is_self = program == "/proc/self/exe";  // which would be the shell
-    const std::string limit = memory_mb > 0 ? fmt::format("ulimit -v {:.0f}; ", memory_mb * 1024) : "";
-    words = {"/bin/sh", "-c", limit + "\"$@\" 3>&-; echo $? >&3", "sh",
-             is_self ? std::filesystem::read_symlink(program, ignored).string() : program.string()};
-  } else {
-    words = {program.string()};
+// Ties the calling child to its parent: whichever way that ends, the kernel kills the child.
+void die_with(pid_t parent) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(127);  // Process-wide: the child's; its parent has ended before
+}
+
+// Makes `to` the descriptor `from`, or /dev/null, for the next program.
+bool put(int from, int to, int flags) {
+  if (from < 0) from = open("/dev/null", flags | O_CLOEXEC);
+  if (from == to) return fcntl(to, F_SETFD, 0) == 0;
+  return dup2(from, to) == to;  // Process-wide: the child's
+}
+
+// A host that ignores or blocks signals must not pass that on, and its handlers must not run in the child.
+void reset_signals() {
+  struct sigaction action {};
+  for (int k = 1; k < NSIG; ++k) {
+    if (sigaction(k, nullptr, &action) != 0) continue;  // Process-wide: read
+    const bool is_kept =
+        action.sa_handler == SIG_DFL || (action.sa_handler == SIG_IGN && k != SIGCHLD && k != SIGPIPE);
+    action = {};
+    if (!is_kept) sigaction(k, &action, nullptr);  // Process-wide: the child's
   }
-  words.insert(words.end(), arguments.begin(), arguments.end());
-  return words;
+  sigset_t none;
+  sigemptyset(&none);
+  sigprocmask(SIG_SETMASK, &none, nullptr);
+}
+
+[[noreturn]] void become(const Plan& plan) {
+  die_with(plan.parent);
+  const rlimit limit{plan.memory, plan.memory};
+  if ((!plan.is_leader || setpgid(0, 0) == 0) && put(plan.input, STDIN_FILENO, O_RDONLY) &&
+      (plan.errors < 0 || (put(-1, STDOUT_FILENO, O_WRONLY) && put(plan.errors, STDERR_FILENO, 0))) &&
+      (plan.folder == nullptr || chdir(plan.folder) == 0) &&  // Process-wide: the child's
+      (plan.memory == 0 || setrlimit(RLIMIT_AS, &limit) == 0)) {
+    reset_signals();
+    execve(plan.program, plan.arguments, environ);
+  }
+  const int reason = errno;
+  (void)!write(plan.failure, &reason, sizeof reason);
+  _exit(127);  // Process-wide: the child's
+}
+
+// A child that runs the program as a child of its own and writes how that ended to a pipe. It keeps all
+// signals blocked, so that it outlives a program that handles one.
+[[noreturn]] void supervise(Plan plan, int status_pipe) {
+  die_with(plan.parent);
+  setpgid(0, 0);
+  struct sigaction standard {};
+  sigaction(SIGCHLD, &standard, nullptr);  // Process-wide: the child's
+  plan.is_leader = false;
+  plan.parent = getpid();  // Not in a name
+  const pid_t id = vfork();
+  if (id == 0) become(plan);
+  int status = id < 0 ? errno : 0;
+  if (id < 0) (void)!write(plan.failure, &status, sizeof status);
+  // It has no use for copies of the host's descriptors, whose other ends would never see them closed.
+  dup2(status_pipe, STDIN_FILENO);  // Process-wide: the child's
+  close_range(STDIN_FILENO + 1, ~0u, 0);
+  if (id > 0 && waitpid(id, &status, 0) == id) (void)!write(STDIN_FILENO, &status, sizeof status);
+  _exit(0);  // Process-wide: the child's
+}
+
+// Starts the child; its id, or -1 with an errno. No handler of the host's may run in it.
+pid_t start_child(const Plan& plan, int status_pipe) {
+  sigset_t all, before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  const pid_t id = status_pipe >= 0 ? _Fork() : vfork();
+  if (id == 0) {
+    if (status_pipe >= 0) supervise(plan, status_pipe);
+    become(plan);
+  }
+  const int reason = errno;
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  errno = reason;
+  return id;
+}
+
+// The children that have not been reaped. Never destroyed: it is used while the program ends.
+struct Running {
+  std::mutex mutex;
+  std::vector<pid_t> ids;
+};
+
+Running& running() {
+  static Running& all = *new Running;
+  return all;
+}
+
+// Reads a number that another process writes to a pipe; the count of bytes is 0 where it has closed its end.
+ssize_t read_fully(int pipe, int& number) {
+  ssize_t count = 0;
+  while ((count = read(pipe, &number, sizeof number)) < 0 && errno == EINTR) {
+  }
+  return count;
 }
 
 std::string last_line(int file) {
@@ -113,14 +166,6 @@ std::string last_line(int file) {
   return text.substr(text.find_last_of('\n') + 1);
 }
 
-std::string signal_error(int signal) {
-  return fmt::format("crashed ({})", strsignal(signal));
-}
-
-std::string code_error(int code) {
-  return fmt::format("ended with code {}", code);
-}
-
 }  // namespace
 
 Result<Process> Process::start(const std::filesystem::path& program,
@@ -130,38 +175,45 @@ Result<Process> Process::start(const std::filesystem::path& program,
   const auto failed = [&](int reason) {
     return tl::unexpected(out.error(fmt::format("cannot be started: {}", std::strerror(reason))));
   };
-  const bool below_shell = children_are_discarded();
-  out.own_group_ = options.own_group || below_shell;  // the shell is not killed alone
-  Descriptor errors, status_from, status_to;
-  if (!options.share_output) {
-    errors.number = memfd_create("stderr", MFD_CLOEXEC);
-    if (errors.number < 0) return failed(errno);
-  }
-  if (below_shell) {
-    if (program.is_absolute() && access(program.c_str(), X_OK) != 0) return failed(errno);
+  Descriptor failure_from, failure_to, status_from, status_to;
+  const auto make_pipe = [](Descriptor& from, Descriptor& to) {
     int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) return failed(errno);
-    status_from.number = ends[0];
-    status_to.number = ends[1];
-  }
-  std::vector<std::string> words = command(program, arguments, options.memory_mb, below_shell);
+    if (pipe2(ends, O_CLOEXEC) != 0) return false;
+    from.number = ends[0];
+    to.number = ends[1];
+    return true;
+  };
+  if (!options.share_output && (out.errors_ = memfd_create("stderr", MFD_CLOEXEC)) < 0) return failed(errno);
+  if (!make_pipe(failure_from, failure_to)) return failed(errno);
+  if (children_are_discarded() && !make_pipe(status_from, status_to)) return failed(errno);
+  std::vector<std::string> words{program.string()};
+  words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
-  const SpawnSettings settings(options, out.own_group_, errors.number, status_to.number);
-  const int reason = posix_spawn(&out.id_, below_shell ? "/bin/sh" : program.c_str(), &settings.actions,
-                                 &settings.attributes, argv.data(), environ);
-  if (reason != 0) {
-    out.id_ = -1;
+  const Plan plan{program.c_str(),
+                  argv.data(),
+                  options.folder.empty() ? nullptr : options.folder.c_str(),
+                  options.input,
+                  out.errors_,
+                  true,
+                  rlim_t(std::max(0.0, options.memory_mb) * 1048576),
+                  failure_to.number,
+                  getpid()};                    // Not in a name
+  const std::lock_guard lock(running().mutex);  // until it has a group that kill_all_processes() can kill
+  const pid_t id = start_child(plan, status_to.number);
+  if (id < 0) return failed(errno);
+  close(failure_to.release());
+  int reason = 0;
+  const bool is_running = read_fully(failure_from.number, reason) == 0;
+  if (!is_running) {
+    while (waitpid(id, nullptr, 0) < 0 && errno == EINTR) {
+    }
     return failed(reason);
   }
-  if (options.memory_mb > 0 && !below_shell) {
-    const auto bytes = rlim_t(options.memory_mb * 1048576);
-    const rlimit limit{bytes, bytes};
-    prlimit(out.id_, RLIMIT_AS, &limit, nullptr);
-  }
+  out.id_ = id;
+  running().ids.push_back(id);
   out.status_ = status_from.release();
-  out.errors_ = errors.release();
   return out;
 }
 
@@ -180,7 +232,6 @@ void Process::swap(Process& other) {
   std::swap(id_, other.id_);
   std::swap(status_, other.status_);
   std::swap(errors_, other.errors_);
-  std::swap(own_group_, other.own_group_);
   std::swap(failure_, other.failure_);
 }
 
@@ -189,51 +240,48 @@ Error Process::error(const std::string& what) const {
   return {name_, line.empty() ? what : what + ": " + line, ""};
 }
 
-void Process::kill() {
-  if (id_ > 0) ::kill(own_group_ ? -id_ : id_, SIGKILL);
+void Process::send(int signal) const {
+  if (id_ > 0) ::kill(-id_, signal);
 }
 
 // Whether the child has ended; then failure_ is set. Before the child is reaped its id, and with it the
 // group's, cannot be taken by another process.
 bool Process::reap(bool block) {
   if (id_ < 0) return true;
+  int status = 0;
+  bool is_known = false;
   if (status_ >= 0) {
     pollfd ready{status_, POLLIN, 0};
     int count = 0;
     while ((count = ::poll(&ready, 1, block ? -1 : 0)) < 0 && errno == EINTR) {
     }
     if (count == 0) return false;
-    char text[16] = {};
-    const ssize_t size = read(status_, text, sizeof text - 1);
-    const int code = std::atoi(text);
-    if (own_group_) ::kill(-id_, SIGKILL);
-    if (size <= 0) {
-      failure_ = error(signal_error(SIGKILL));
-    } else if (code > 128) {  // as shells report signals
-      failure_ = error(signal_error(code - 128));
-    } else if (code != 0) {
-      failure_ = error(code_error(code));
+    // Where the supervisor is silent it was killed, and the program with it.
+    if (read_fully(status_, status) != sizeof status) status = SIGKILL;
+    is_known = true;
+  } else {
+    siginfo_t info{};
+    int result = 0;
+    while ((result = waitid(P_PID, id_t(id_), &info, WEXITED | WNOWAIT | (block ? 0 : WNOHANG))) < 0 &&
+           errno == EINTR) {
     }
-    id_ = -1;
-    return true;
+    if (result == 0 && info.si_pid == 0) return false;
   }
-  siginfo_t info{};
-  int result = 0;
-  while ((result = waitid(P_PID, id_t(id_), &info, WEXITED | WNOWAIT | (block ? 0 : WNOHANG))) < 0 &&
-         errno == EINTR) {
+  ::kill(-id_, SIGKILL);
+  {
+    const std::lock_guard lock(running().mutex);
+    std::erase(running().ids, id_);
   }
-  if (result == 0 && info.si_pid == 0) return false;
-  if (own_group_) ::kill(-id_, SIGKILL);
-  int status = 0;
   pid_t reaped = -1;
-  while ((reaped = waitpid(id_, &status, 0)) < 0 && errno == EINTR) {
+  int unused = 0;
+  while ((reaped = waitpid(id_, is_known ? &unused : &status, 0)) < 0 && errno == EINTR) {
   }
-  if (reaped != id_) {  // a handler of the host's was faster
+  if (!is_known && reaped != id_) {  // a handler of the host's was faster
     failure_ = error(fmt::format("ended, but its exit status is unavailable ({})", std::strerror(errno)));
   } else if (WIFSIGNALED(status)) {
-    failure_ = error(signal_error(WTERMSIG(status)));
+    failure_ = error(fmt::format("crashed ({})", strsignal(WTERMSIG(status))));
   } else if (WEXITSTATUS(status) != 0) {
-    failure_ = error(code_error(WEXITSTATUS(status)));
+    failure_ = error(fmt::format("ended with code {}", WEXITSTATUS(status)));
   }
   id_ = -1;
   return true;
@@ -254,7 +302,6 @@ Result<void> run_limited(const std::filesystem::path& program, const std::vector
                          const std::filesystem::path& folder, const ProcessLimits& limits) {
   SpawnOptions options;
   options.folder = folder;
-  options.own_group = true;
   options.memory_mb = limits.memory_mb;
   auto child = Process::start(program, arguments, options);
   if (!child) return tl::unexpected(child.error());
@@ -266,6 +313,18 @@ Result<void> run_limited(const std::filesystem::path& program, const std::vector
     if (steady_clock::now() > end)
       return fail(program.filename().string(), fmt::format("took more than {:.3g} s", limits.seconds));
     std::this_thread::sleep_for(pause);
+  }
+}
+
+void kill_all_processes() {
+  running().mutex.lock();  // and never unlocks it
+  for (const pid_t id : running().ids) ::kill(-id, SIGKILL);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(100);
+  for (const pid_t id : running().ids) {
+    siginfo_t info{};
+    while (waitid(P_PID, id_t(id), &info, WEXITED | WNOWAIT | WNOHANG) == 0 && info.si_pid == 0 &&
+           std::chrono::steady_clock::now() < end)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 }
 

@@ -148,8 +148,6 @@ Result<session::Recording> render(const scene::Scene& scene, const RenderJob& jo
   const auto frames = std::int64_t(scene.duration * scene.video.fps + 1e-9);
   FrameEncoder pictures({scene, *surface}, **renderer, **video, job.threads > 1, frames);
   for (std::int64_t frame = 0; frame < frames; ++frame) {
-    if (job.interrupted != nullptr && job.interrupted->load())
-      return fail(job.output.string(), "interrupted: nothing was written");
     const session::Snapshot snapshot = (*simulation)->advance_to_frame(frame);
     progress.update(double(frame) / double(frames),
                     fmt::format("{:.1f} of {:.1f} s", snapshot.time, scene.duration));

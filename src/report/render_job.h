@@ -3,7 +3,6 @@
 // is read when the process makes its first context.
 #pragma once
 
-#include <atomic>
 #include <filesystem>
 
 #include "scene/scene.h"
@@ -15,7 +14,6 @@ struct RenderJob {
   std::filesystem::path output;  // .mp4; beside it go .wav, .html, .events.csv and .servo.csv
   int threads = 2;               // 2: render and encode in parallel with the simulation
   bool quiet = false;
-  const std::atomic<bool>* interrupted = nullptr;  // set from outside to stop early: nothing is written
 };
 
 // Puts all files in place together (core/output_files.h); on an error the old ones remain as they were.

@@ -71,7 +71,7 @@ TEST_CASE(
       {"exit 3", "ended with code 3"},
       {"true", "returned nothing"},
       {"head -c 5000 /dev/urandom > $2", "unreadable mesh"},
-      {": > $2", "unreadable mesh"},
+      {": > $2", "returned nothing"},
       {"printf 'intaglio-tetrahedra 1\\n99999999999 1\\n' > $2", "unreadable mesh"},
       {"printf 'intaglio-tetrahedra 1\\n4 1\\n0 0 0 1 0 0 0 1 0 0 0 nan\\n0 1 2 3\\n' > $2",
        "unreadable mesh"},

@@ -8,10 +8,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "core/file.h"
@@ -348,4 +350,29 @@ TEST_CASE("a full disk is named as such") {
         "a.wav: disk full; free some space, or write to another disk");
   CHECK(write_error("a.wav", EACCES).message() ==
         "a.wav: cannot be written: Permission denied; choose a writable location");
+}
+
+TEST_CASE("a program that ends removes all its temporaries but those that it keeps, and writes no more") {
+  const tests::TemporaryFolder folder;
+  REQUIRE(write_file(folder.path / "a", "old"));
+  const pid_t other = fork();
+  REQUIRE(other >= 0);
+  if (other == 0) {
+    OutputFiles one, two, kept(OutputFiles::WhenStopped::keep);
+    const bool is_ready = write_file(folder.path / "c", "whole") && one.write(folder.path / "a", "new") &&
+                          one.add_scratch(folder.path / "a") && two.write(folder.path / "b", "new") &&
+                          kept.write(folder.path / "d", "part");
+    const AbandonedOutputs left = abandon_outputs();
+    std::thread([&] { (void)one.commit(); }).detach();
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));  // for the thread to do wrong
+    _exit(is_ready && left.committed > 0 && left.kept == 1 ? 0 : 1);
+  }
+  int status = 0;
+  REQUIRE(waitpid(other, &status, 0) == other);
+  CHECK(status == 0);
+  CHECK(content(folder.path / "a") == "old");
+  CHECK(content(folder.path / "c") == "whole");
+  CHECK(count_of(folder.path) == 3);  // with what is kept
+  for (StaleTemporary& stale : claim_stale_temporaries(folder.path)) stale.remove();
+  CHECK(count_of(folder.path) == 2);
 }

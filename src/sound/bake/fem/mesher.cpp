@@ -1,10 +1,15 @@
 #include "sound/bake/fem/mesher.h"
 
 #include <fmt/format.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <map>
 
 #include "core/file.h"
@@ -23,19 +28,30 @@ constexpr double volume_tolerance = 0.05;      // of the body's
 constexpr double netgen_edge_per_cell = 0.65;  // gives as many elements as the lattice
 constexpr double min_tet_volume = 1e-9;        // over the longest edge cubed
 
-// Temporary directory, removed with its contents.
-struct TemporaryFolder {
-  fs::path path;
-  TemporaryFolder() {
-    std::string pattern = (fs::temp_directory_path() / "intaglio-netgen-XXXXXX").string();
-    if (mkdtemp(pattern.data())) path = pattern;
+// A file without a name, which a child process opens by a path. However this process ends, nothing is left.
+class NamelessFile {
+ public:
+  NamelessFile() : descriptor_(memfd_create("netgen", MFD_CLOEXEC)) {}
+  NamelessFile(const NamelessFile&) = delete;
+  NamelessFile& operator=(const NamelessFile&) = delete;
+  ~NamelessFile() {
+    if (descriptor_ >= 0) close(descriptor_);
   }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    if (!path.empty()) fs::remove_all(path, ignored);
+  std::string path() const {
+    return fmt::format("/proc/{}/fd/{}", getpid(), descriptor_);  // Not in a name
   }
+  bool write(std::string_view text) const {
+    while (descriptor_ >= 0 && !text.empty()) {
+      const ssize_t count = ::write(descriptor_, text.data(), text.size());
+      if (count < 0 && errno == EINTR) continue;
+      if (count <= 0) return false;
+      text.remove_prefix(std::size_t(count));
+    }
+    return descriptor_ >= 0;
+  }
+
+ private:
+  int descriptor_;
 };
 
 std::string make_request(const BodySurface& body, double size) {
@@ -140,21 +156,21 @@ Result<FilledSurface> netgen_fill(const BodySurface& body, const FillOptions& op
     return fail(
         name, "cannot be filled by Netgen: there is no program intaglio-netgen",
         "install Debian's libnglib-dev (script/setup netgen) and build again, or use --mesher lattice");
-  const TemporaryFolder folder;
-  if (folder.path.empty()) return fail(name, "cannot create a temporary folder");
+  const NamelessFile request, result;
   const double thickness = 2 * body.volume / body.area;
   const double smallest = std::cbrt(body.volume * 6 / options.max_elements);
   const double size = std::max(netgen_edge_per_cell * std::min(options.element_size, thickness), smallest);
-  if (auto written = write_file(folder.path / "request", make_request(body, size)); !written)
-    return tl::unexpected(written.error());
+  if (!request.write(make_request(body, size)) || !result.write(""))
+    return fail(name, std::string("no file for Netgen: ") + std::strerror(errno));
   const auto in_context = [&](const Error& error) {
     return fail(name, error.message(), "use --mesher lattice, which fills any surface");
   };
-  if (auto run = run_limited(program, {"request", "result"}, folder.path, {netgen.seconds, netgen.memory_mb});
+  if (auto run =
+          run_limited(program, {request.path(), result.path()}, "/", {netgen.seconds, netgen.memory_mb});
       !run)
     return in_context(run.error());
-  const auto bytes = read_file(folder.path / "result");
-  if (!bytes) return in_context({program.filename().string(), "returned nothing", ""});
+  const auto bytes = read_file(result.path());
+  if (!bytes || bytes->empty()) return in_context({program.filename().string(), "returned nothing", ""});
   auto corners =
       parse({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, program.filename().string());
   if (!corners) return in_context(corners.error());

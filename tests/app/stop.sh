@@ -1,0 +1,50 @@
+#!/usr/bin/env bash
+# Every verb can be stopped in every phase of its work, by SIGINT, SIGTERM and SIGKILL, and when the reader of its output goes away:
+# the exit code says so, the old results stand, and no temporary and no process is left.   stop.sh INTAGLIO SOURCE_DIR
+. "$(dirname "$0")/begin.sh"
+export XDG_CONFIG_HOME="$work/config" XDG_CACHE_HOME="$work/cache" SDL_VIDEODRIVER=offscreen LP_NUM_THREADS=2
+check() {
+  local name=$1
+  shift
+  if "$@"; then echo "$name: ok"; else echo "$name: FAILED"; cat "$work/stderr"; failures=$((failures + 1)); fi
+}
+hidden() { find "$work" -name '.*.part*' -type f; }
+
+# The bounds are for loaded machines; docs/trust.md has the figures.
+"$source/tools/stop_latency" -n 0 --limit 5 "$intaglio" || failures=$((failures + 1))
+"$source/tools/kill_trial" -n 7 "$intaglio" || failures=$((failures + 1))
+
+# timeout(1) signals the process and then its group, so that the signal comes twice.
+timeout 1 "$intaglio" -q render "$source/scenes/brick.toml" -o "$work/out.mp4" --duration 600 2>"$work/stderr"
+check "one signal that comes twice is one" [ $? -eq 124 -a -z "$(hidden)" ]
+
+# A window that waits for the pen's host has 0.3 s to end by itself, and says that it was interrupted; a second signal leaves it none.
+"$intaglio" run --fresh --audio null --device Phantom0@192.0.2.1 2>"$work/stderr" &
+sleep 0.5
+kill -INT $!
+sleep 0.12
+kill -INT $!
+wait $!
+check "a second signal ends at once" [ $? -eq 130 -a ! -s "$work/stderr" ]
+
+# Readers that go away.
+"$intaglio" inspect brick --json --html "$work/page.html" 2>"$work/stderr" | true
+check "without a reader a verb ends quietly" [ "${PIPESTATUS[0]}" -eq 141 -a ! -s "$work/stderr" -a -z "$(hidden)" ]
+(trap '' PIPE; "$intaglio" inspect brick --json 2>"$work/stderr" | true; exit "${PIPESTATUS[0]}")
+check "where SIGPIPE is ignored it is said" [ $? -eq 1 -a "$(wc -l <"$work/stderr")" -eq 1 ]
+
+# A closed terminal ends a verb, unless nohup(1) has made it ignore that.
+for wanted in 129 0; do
+  (
+    [ $wanted -ne 0 ] || trap '' HUP
+    exec "$intaglio" -q import brick --size 1024 -o "$work/imported"
+  ) 2>"$work/stderr" &
+  sleep 0.2
+  kill -HUP $!
+  wait $!
+  code=$?
+  check "SIGHUP: exit code $wanted" [ $code -eq $wanted -a ! -s "$work/stderr" ]
+done
+
+[ $failures -eq 0 ] && echo "everything can be stopped"
+exit $((failures > 0))
