@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Every verb can be stopped in every phase of its work, by SIGINT, SIGTERM and SIGKILL, and when the reader of its output goes away:
+# Every verb can be stopped in every phase of its work, by SIGINT and SIGTERM, and when the reader of its output goes away:
 # the exit code says so, the old results stand, and no temporary and no process is left.   stop.sh INTAGLIO SOURCE_DIR
 . "$(dirname "$0")/begin.sh"
 export XDG_CONFIG_HOME="$work/config" XDG_CACHE_HOME="$work/cache" SDL_VIDEODRIVER=offscreen LP_NUM_THREADS=2
@@ -12,7 +12,19 @@ hidden() { find "$work" -name '.*.part*' -type f; }
 
 # The bounds are for loaded machines; docs/trust.md has the figures.
 "$source/tools/stop_latency" -n 0 --limit 5 "$intaglio" || failures=$((failures + 1))
-"$source/tools/kill_trial" -n 7 "$intaglio" || failures=$((failures + 1))
+
+# A Netgen of a bake of `bake --all` dies with its grandparent.
+mkdir "$work/meshes"
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' | tee "$work/meshes/a.obj" >"$work/meshes/b.obj"
+printf '#!/bin/sh\necho $$ >>"%s/pids"\nexec sleep 60\n' "$work" >"$work/netgen"
+chmod +x "$work/netgen"
+INTAGLIO_NETGEN="$work/netgen" "$intaglio" bake --all "$work/meshes" --mesher netgen --material steel -j 2 -o "$work/models" 2>"$work/stderr" &
+for _ in $(seq 500); do [ "$(cat "$work/pids" 2>/dev/null | wc -l)" -eq 2 ] && break; sleep 0.02; done
+kill -KILL $!
+wait $! 2>/dev/null
+living() { ps -o stat= -p "$(paste -sd, "$work/pids")" | grep -v Z; } # the init of a container may not reap the dead
+for _ in $(seq 100); do living >/dev/null || break; sleep 0.02; done
+check "grandchildren die by SIGKILL" [ "$(wc -l <"$work/pids")" -eq 2 -a -z "$(living)" ]
 
 # timeout(1) signals the process and then its group, so that the signal comes twice.
 timeout 1 "$intaglio" -q render "$source/scenes/brick.toml" -o "$work/out.mp4" --duration 600 2>"$work/stderr"
