@@ -143,6 +143,9 @@ int run(const RunArguments& arguments, const Common& common) {
   if (arguments.scale > 0) options.interface_scale = arguments.scale;
   options.keeps_settings = !arguments.fresh;
   options.interrupted = &interrupted;
+  options.left = [] {
+    if (!interrupted) end_soon(0);
+  };
   end_gracefully();
   int code = 0;
   const auto ended = window::run(options, [&](const window::RunReport& done) {

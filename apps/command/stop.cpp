@@ -68,7 +68,7 @@ void handle(int signal) {
 }
 
 std::string what_is_left(const AbandonedOutputs& outputs) {
-  if (outputs.kept > 0) return "the recording is unfinished";
+  if (outputs.kept > 0) return "the next run with the same --record-to completes the recording";
   if (outputs.committed == 0) return "nothing was written";
   return fmt::format("{} {} written before", outputs.committed,
                      outputs.committed == 1 ? "file was" : "files were");
@@ -88,10 +88,10 @@ void end_when_woken() {
   if (first_signal == 0 || is_graceful) std::this_thread::sleep_for(patience);
   kill_all_processes();  // first, since they may create files at the temporaries' names
   const AbandonedOutputs outputs = abandon_outputs();
-  if (planned_code >= 0) _exit(planned_code);
-  if (!is_quiet && (first_signal == SIGINT || first_signal == SIGTERM))
-    print_line(fmt::format("intaglio: interrupted: {}\n", what_is_left(outputs)));
-  _exit(interrupted_code());
+  const bool is_planned = planned_code >= 0, is_silent = first_signal == SIGHUP || first_signal == SIGPIPE;
+  if (!is_quiet && !is_silent && (!is_planned || outputs.kept > 0))
+    print_line(fmt::format("intaglio: {}{}\n", is_planned ? "" : "interrupted: ", what_is_left(outputs)));
+  _exit(is_planned ? planned_code.load() : interrupted_code());
 }
 
 }  // namespace

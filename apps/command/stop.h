@@ -25,8 +25,8 @@ int interrupted_code();
 void end_gracefully();
 // From here on nothing is printed about a stop.
 void stop_quietly();
-// Ends the process with this code after 0.3 s, unless it has ended by then: all that is left is to join
-// threads and free memory.
+// Ends the process with this code 0.3 s after the first call, unless it has ended by then: for a verb that
+// has only to clean up.
 void end_soon(int code);
 
 // Never returns once the process is being ended: so that the main thread neither reports what the stop has

@@ -146,6 +146,7 @@ Result<RunReport> Application::run() {
     // Without vsync, cap at about 60 frames/s.
     if (took < 0.015) std::this_thread::sleep_for(std::chrono::duration<double>(0.0155 - took));
   }
+  if (options_.left) options_.left();
   post_message(stage_.connection_error(settings_));
   finish_report();
   stop_recording();

@@ -32,6 +32,7 @@ struct RunOptions {
   std::optional<double> interface_scale;  // default: from the display
   bool keeps_settings = true;             // reads and writes the user's settings file
   const std::atomic<bool>* interrupted = nullptr;
+  std::function<void()> left;  // called when the user has left the window, before a recording is saved
 };
 
 // Statistics of a run: how each sense kept its deadlines.
@@ -64,8 +65,8 @@ struct RunReport {
   bool was_baking = false;                 // a model was being baked at the end, and was abandoned
 };
 
-// Calls `ended` when the window has been left, the recording is saved and the settings are written: what
-// follows joins threads, whose bakes, imports and look-ups may take seconds. It may end the process.
+// Calls `ended` when the recording is saved and the settings are written: what follows joins threads, whose
+// bakes, imports and look-ups may take seconds. It may end the process.
 Result<void> run(const RunOptions& options, const std::function<void(const RunReport&)>& ended);
 
 // Frame times: for the panel, the report and adaptive resolution.

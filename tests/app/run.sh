@@ -125,7 +125,7 @@ sleep 3
 kill -KILL $killed
 wait $killed 2>/dev/null
 check "a killed recording leaves temporaries only" [ "$(hidden | wc -l)" -eq 3 -a -z "$(ls "$work" | grep mp4)" ]
-printf '2.0 quit\n' | play recovering --fresh
+printf '4.0 quit\n' | play recovering --fresh
 check "a killed recording is recovered" report recovering "any(m.startswith('recovered') for m in r['messages']) and len(r['written']) == 1"
 video=$(ls "$work"/*.mp4 2>/dev/null | head -1)
 streams() { ffprobe -v error -show_entries stream=codec_name,channels -of csv=p=0 "$video" 2>/dev/null | sort | tr '\n' ' '; }
