@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Every verb can be stopped in every phase of its work, by SIGINT and SIGTERM, and when the reader of its output goes away:
-# the exit code says so, the old results stand, and no temporary and no process is left.   stop.sh INTAGLIO SOURCE_DIR
+# the exit code says so, the old results stand, and no temporary and no process is left. Half a minute: there are thirty phases.   stop.sh INTAGLIO SOURCE_DIR
 . "$(dirname "$0")/begin.sh"
 export XDG_CONFIG_HOME="$work/config" XDG_CACHE_HOME="$work/cache" SDL_VIDEODRIVER=offscreen LP_NUM_THREADS=2
 check() {
@@ -38,6 +38,18 @@ sleep 0.12
 kill -INT $!
 wait $!
 check "a second signal ends at once" [ $? -eq 130 -a ! -s "$work/stderr" ]
+
+# A window that is closed does not wait for a recording whose last step takes long; the next one completes it.
+window() { "$intaglio" -q run "$source/scenes/brick.toml" --fresh --audio null --width 160 --height 90 --record-to "$work/recorded" "$@"; }
+mkdir "$work/recorded" "$work/bin"
+printf '#!/bin/sh\ncase "$*" in *faststart*) exec sleep 60;; esac\nexec %s "$@"\n' "$(command -v ffmpeg)" >"$work/bin/ffmpeg"
+chmod +x "$work/bin/ffmpeg"
+printf '0.1 key F9\n1.5 quit\n' >"$work/record.events"
+PATH="$work/bin:$PATH" window --script "$work/record.events" 2>"$work/stderr"
+check "an unfinished recording is left" [ $? -eq 0 -a -n "$(hidden)" -a -z "$(ls "$work/recorded")" ]
+printf '3 quit\n' >"$work/wait.events"
+window --script "$work/wait.events" 2>"$work/stderr"
+check "and completed" [ $? -eq 0 -a -z "$(hidden)" -a -n "$(ls "$work/recorded")" ]
 
 # Readers that go away.
 "$intaglio" inspect brick --json --html "$work/page.html" 2>"$work/stderr" | true
