@@ -1,5 +1,7 @@
 #include "tests/count_allocations.h"
 
+#include <malloc.h>
+
 #include <atomic>
 #include <cstdlib>
 #include <new>
@@ -8,6 +10,7 @@ namespace {
 
 thread_local std::size_t count = 0;
 std::atomic<std::size_t> largest{0};
+std::atomic<std::size_t> held{0};
 
 void* allocate_or_null(std::size_t size, std::size_t alignment) {
   ++count;
@@ -15,7 +18,14 @@ void* allocate_or_null(std::size_t size, std::size_t alignment) {
   while (size > known && !largest.compare_exchange_weak(known, size)) {
   }
   const std::size_t whole = (size + alignment - 1) / alignment * alignment;
-  return std::aligned_alloc(alignment, whole == 0 ? alignment : whole);
+  void* const p = std::aligned_alloc(alignment, whole == 0 ? alignment : whole);
+  held += malloc_usable_size(p);
+  return p;
+}
+
+void release(void* p) noexcept {
+  held -= malloc_usable_size(p);
+  std::free(p);
 }
 
 void* allocate(std::size_t size, std::size_t alignment = alignof(std::max_align_t)) {
@@ -30,6 +40,9 @@ std::size_t allocations() {
 }
 std::size_t largest_allocation() {
   return largest;
+}
+std::size_t held_bytes() {
+  return held;
 }
 void forget_allocations() {
   largest = 0;
@@ -55,32 +68,32 @@ void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
   return allocate_or_null(size, alignof(std::max_align_t));
 }
 void operator delete(void* p) noexcept {
-  std::free(p);
+  release(p);
 }
 void operator delete[](void* p) noexcept {
-  std::free(p);
+  release(p);
 }
 void operator delete(void* p, std::size_t) noexcept {
-  std::free(p);
+  release(p);
 }
 void operator delete[](void* p, std::size_t) noexcept {
-  std::free(p);
+  release(p);
 }
 void operator delete(void* p, std::align_val_t) noexcept {
-  std::free(p);
+  release(p);
 }
 void operator delete[](void* p, std::align_val_t) noexcept {
-  std::free(p);
+  release(p);
 }
 void operator delete(void* p, std::size_t, std::align_val_t) noexcept {
-  std::free(p);
+  release(p);
 }
 void operator delete[](void* p, std::size_t, std::align_val_t) noexcept {
-  std::free(p);
+  release(p);
 }
 void operator delete(void* p, const std::nothrow_t&) noexcept {
-  std::free(p);
+  release(p);
 }
 void operator delete[](void* p, const std::nothrow_t&) noexcept {
-  std::free(p);
+  release(p);
 }

@@ -9,3 +9,5 @@ std::size_t allocations();
 // The largest single request since the last forget_allocations(), bytes.
 std::size_t largest_allocation();
 void forget_allocations();
+// Bytes that all threads hold now.
+std::size_t held_bytes();

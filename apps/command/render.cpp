@@ -34,17 +34,17 @@ void override_scene(const RenderArguments& options, scene::Scene& scene) {
   if (options.duration > 0) scene.duration = options.duration;
 }
 
-void print_summary(const session::Recording& recording, const std::string& output) {
-  fmt::print("{}\n  {:.1f} s of scene in {:.1f} s; modal analysis {:.1f} CPU-s\n", output, recording.duration,
-             recording.wall_s, recording.bake_s);
-  for (const std::string& note : recording.notes) fmt::print("  texture: {}\n", note);
-  for (const std::string& warning : recording.warnings) fmt::print("  warning: {}\n", warning);
-  for (const session::SenseCost& cost : recording.costs) {
+void print_summary(const session::Run& run, const std::string& output) {
+  fmt::print("{}\n  {:.1f} s of scene in {:.1f} s; modal analysis {:.1f} CPU-s\n", output, run.duration,
+             run.wall_s, run.bake_s);
+  for (const std::string& note : run.notes) fmt::print("  texture: {}\n", note);
+  for (const std::string& warning : run.warnings) fmt::print("  warning: {}\n", warning);
+  for (const session::SenseCost& cost : run.costs) {
     fmt::print("  {:9} {:>20}: median {:9.2f} us, p99 {:9.2f} us, {:6.2f} CPU-s\n", cost.sense, cost.step,
                cost.median_us, cost.p99_us, cost.total_s);
   }
-  fmt::print("  events {} (hash {:016x}), sound hash {:016x}\n", recording.events.size(),
-             recording.event_hash, recording.audio_hash);
+  fmt::print("  events {} (hash {:016x}), sound hash {:016x}\n", run.event_count, run.event_hash,
+             run.audio_hash);
 }
 
 int run_render(const RenderArguments& options, const Common& common) {
@@ -54,9 +54,9 @@ int run_render(const RenderArguments& options, const Common& common) {
   // Mesa's llvmpipe draws with as many threads as this says; the user's setting wins. Set before any thread
   // starts that reads the environment.
   setenv("LP_NUM_THREADS", std::to_string(options.threads > 1 ? options.threads : 0).c_str(), 0);
-  const auto recording = report::render(*scene, {options.output, options.threads, common.quiet});
-  if (!recording) return report(recording.error());
-  if (!common.quiet) print_summary(*recording, options.output);
+  const auto run = report::render(*scene, {options.output, options.threads, common.quiet});
+  if (!run) return report(run.error());
+  if (!common.quiet) print_summary(*run, options.output);
   return 0;
 }
 

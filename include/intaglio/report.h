@@ -2,7 +2,8 @@
 //
 //   intaglio::save_report(*recording, "brick.html");                  // examples/simulate_scene.cpp
 //
-// Self-contained HTML. Takes about a second for ten seconds of audio; any thread.
+// Self-contained HTML, except that a video of more than 150 MB is linked. Takes about a second for a minute
+// of audio; any thread.
 #pragma once
 
 #include <filesystem>

@@ -48,7 +48,8 @@ struct PenSample {
   bool touching = false;
 };
 
-// The result of a simulation. A handle to immutable data.
+// The result of a simulation. A handle to immutable data, kept whole: about 1.5 MB a simulated second with a
+// pen.
 class Recording {
  public:
   const Scene& scene() const;

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "core/hash.h"
 
@@ -139,25 +140,45 @@ std::uint64_t fingerprint(const surface::Surface& surface) {
   return hash.value();
 }
 
-std::string encode_log(double rate, std::string_view texture, std::uint64_t surface,
-                       std::span<const ServoSample> samples) {
+LogEncoder::LogEncoder(double rate, std::string_view texture, std::uint64_t surface,
+                       std::function<void(std::string_view)> out)
+    : rate_(rate), out_(std::move(out)) {
   std::string one_line(texture);
   for (char& c : one_line) c = c == '\n' || c == '\r' ? ' ' : c;
-  std::string out = fmt::format("{}\n# rate {}\n# texture {}\n# surface {:016x}\n{}\n", first_line, rate,
-                                one_line, surface, columns);
-  const auto add = [&](double value) { fmt::format_to(std::back_inserter(out), ",{}", value); };
-  for (std::size_t k = 0; k < samples.size(); ++k) {
-    const ServoSample& s = samples[k];
-    fmt::format_to(std::back_inserter(out), "{}", double(k) / rate);
-    each_column(s, add);
-    add(s.touching ? 1 : 0);
-    add(s.touching_ball ? 1 : 0);
-    each_later_column(s, add);
-    add(s.guard_status);
-    out += '\n';
-  }
-  out += fmt::format("# end {} {:016x}\n", samples.size(), hash_of(out));
-  return out;
+  text_ = fmt::format("{}\n# rate {}\n# texture {}\n# surface {:016x}\n{}\n", first_line, rate, one_line,
+                      surface, columns);
+  emit();
+}
+
+void LogEncoder::emit() {
+  hash_.add(std::string_view(text_));
+  out_(text_);
+  text_.clear();
+}
+
+void LogEncoder::add(const ServoSample& s) {
+  const auto add = [&](double value) { fmt::format_to(std::back_inserter(text_), ",{}", value); };
+  fmt::format_to(std::back_inserter(text_), "{}", double(rows_++) / rate_);
+  each_column(s, add);
+  add(s.touching ? 1 : 0);
+  add(s.touching_ball ? 1 : 0);
+  each_later_column(s, add);
+  add(s.guard_status);
+  text_ += '\n';
+  emit();
+}
+
+void LogEncoder::finish() {
+  out_(fmt::format("# end {} {:016x}\n", rows_, hash_.value()));
+}
+
+std::string encode_log(double rate, std::string_view texture, std::uint64_t surface,
+                       std::span<const ServoSample> samples) {
+  std::string text;
+  LogEncoder encoder(rate, texture, surface, [&](std::string_view part) { text += part; });
+  for (const ServoSample& sample : samples) encoder.add(sample);
+  encoder.finish();
+  return text;
 }
 
 Result<HapticLog> decode_log(std::string_view text, const std::string& name) {

@@ -9,11 +9,13 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "core/hash.h"
 #include "haptics/device.h"
 #include "haptics/servo.h"
 #include "intaglio/error.h"
@@ -29,6 +31,26 @@ struct HapticLog {
 
 // Hash of everything about a surface that a tip can feel: depths, sizes, edge mode; not its pose.
 std::uint64_t fingerprint(const surface::Surface& surface);
+
+// Encodes a log tick by tick: its text, in parts, goes to `out`. The head at construction, then a row a tick,
+// then the last line by finish().
+class LogEncoder {
+ public:
+  LogEncoder(double rate, std::string_view texture, std::uint64_t surface,
+             std::function<void(std::string_view)> out);
+
+  void add(const ServoSample& sample);
+  void finish();
+
+ private:
+  void emit();
+
+  double rate_;
+  std::function<void(std::string_view)> out_;
+  std::string text_;  // of the part that is being made
+  Hash hash_;
+  std::size_t rows_ = 0;
+};
 
 std::string encode_log(double rate, std::string_view texture, std::uint64_t surface,
                        std::span<const ServoSample> samples);

@@ -39,14 +39,15 @@ std::string haptic_summary(const haptics::HapticLog& log) {
 }
 
 std::string haptic_page(const haptics::HapticLog& log, const std::string& title) {
-  session::Recording recording;
-  recording.duration = double(log.samples.size()) / log.rate;
-  recording.servo_rate = int(log.rate);
-  recording.servo = log.samples;
-  recording.pen = 1;
+  session::Run run;
+  run.duration = double(log.samples.size()) / log.rate;
+  run.servo_rate = int(log.rate);
+  run.pen = 1;
+  Digest digest(run);
+  for (const haptics::ServoSample& sample : log.samples) digest.on_tick(sample);
   return page_head(title, report_css) +
          fmt::format("<h1>{}</h1>\n<section>\n<h2>Felt</h2>\n{}</section>\n", escape_html(title),
-                     felt_html(recording)) +
+                     felt_html(digest)) +
          std::string(page_end);
 }
 

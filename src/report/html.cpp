@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 namespace intaglio::report {
@@ -77,11 +78,11 @@ std::string format_hex(std::uint64_t value) {
   return fmt::format("{:016x}", value);
 }
 
-std::string data_uri(std::string_view media_type, std::span<const std::uint8_t> bytes) {
+std::string base64(std::span<const std::uint8_t> bytes) {
   static constexpr std::string_view digits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out = fmt::format("data:{};base64,", media_type);
-  out.reserve(out.size() + (bytes.size() + 2) / 3 * 4);
+  std::string out;
+  out.reserve((bytes.size() + 2) / 3 * 4);
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     const std::size_t left = bytes.size() - i;
     const std::uint32_t three = (std::uint32_t{bytes[i]} << 16) |
@@ -95,8 +96,22 @@ std::string data_uri(std::string_view media_type, std::span<const std::uint8_t> 
   return out;
 }
 
+std::string data_uri(std::string_view media_type, std::span<const std::uint8_t> bytes) {
+  return fmt::format("data:{};base64,{}", media_type, base64(bytes));
+}
+
 std::string data_uri(const Image8& image) {
   return data_uri("image/png", encode_png(image));
+}
+
+std::string url_encoded(std::string_view path) {
+  std::string out;
+  for (const char c : path) {
+    const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+                          std::string_view("-_.~/").find(c) != std::string_view::npos;
+    out += is_plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return out;
 }
 
 Image8 downscaled(const Image8& image, int width) {

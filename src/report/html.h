@@ -23,7 +23,12 @@ std::string format_hex(std::uint64_t value);  // 16 digits
 
 // "data:<type>;base64,...": an embedded file.
 std::string data_uri(std::string_view media_type, std::span<const std::uint8_t> bytes);
+// Its letters: for a file in pieces, each but the last of a multiple of three bytes.
+std::string base64(std::span<const std::uint8_t> bytes);
 std::string data_uri(const Image8& image);  // as PNG
+
+// Percent-encoded for a URL; slashes stay.
+std::string url_encoded(std::string_view path);
 
 // Box-filtered so that it is at most `width` pixels wide; never enlarged.
 Image8 downscaled(const Image8& image, int width);

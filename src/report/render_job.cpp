@@ -10,15 +10,16 @@
 #include <thread>
 
 #include "core/file.h"
+#include "core/file_stream.h"
 #include "core/output_files.h"
 #include "core/progress.h"
 #include "render/renderer.h"
+#include "report/digest.h"
 #include "report/report.h"
 #include "scene/picture.h"
-#include "session/recording.h"
+#include "session/result_files.h"
 #include "session/simulation.h"
 #include "session/video.h"
-#include "sound/audio/wav.h"
 
 namespace intaglio::report {
 
@@ -118,66 +119,116 @@ class FrameEncoder {
   std::optional<Error> error_;
 };
 
+// Errors that can be known before the work begins.
+Result<void> check_outputs(const fs::path& output) {
+  if (const auto ffmpeg = session::find_ffmpeg(); !ffmpeg) return tl::unexpected(ffmpeg.error());
+  if (auto named = check_extension(output, ".mp4", "an MP4"); !named) return named;
+  for (const char* extension : {".mp4", ".wav", ".html", ".events.csv", ".servo.csv"}) {
+    auto writable = check_writable(fs::path(output).replace_extension(extension));
+    if (!writable) return writable;
+  }
+  return {};
+}
+
+// A scene that is simulated, drawn and written at once.
+class Rendering {
+ public:
+  Rendering(const scene::Scene& scene, const RenderJob& job)
+      : scene_(scene),
+        job_(job),
+        progress_("render", job.quiet),
+        frames_(std::int64_t(scene.duration * scene.video.fps + 1e-9)) {}
+
+  Result<session::Run> run();
+
+ private:
+  Result<void> prepare();
+  Result<void> simulate(session::ResultFiles& results, FrameEncoder& pictures);
+  Result<void> write_page(const Digest& digest, const fs::path& mp4);
+
+  const scene::Scene& scene_;
+  const RenderJob& job_;
+  Progress progress_;
+  std::int64_t frames_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  OutputFiles files_;  // declared before those that write to it
+  scene::SceneSurface surface_;
+  std::unique_ptr<session::Simulation> simulation_;
+  std::unique_ptr<render::Renderer> renderer_;
+  std::unique_ptr<session::VideoWriter> video_;
+};
+
+Result<void> Rendering::prepare() {
+  auto surface = scene::make_surface(scene_);
+  if (!surface) return tl::unexpected(surface.error());
+  surface_ = std::move(*surface);
+  progress_.update(0, "modal analysis");
+  auto simulation = session::Simulation::create(scene_, surface_);
+  if (!simulation) return tl::unexpected(simulation.error());
+  simulation_ = std::move(*simulation);
+  auto renderer = scene::make_renderer(scene_, surface_);
+  if (!renderer) return tl::unexpected(renderer.error());
+  renderer_ = std::move(*renderer);
+  auto video = session::VideoWriter::create(
+      files_, job_.output,
+      {.width = scene_.video.width, .height = scene_.video.height, .fps = scene_.video.fps});
+  if (!video) return tl::unexpected(video.error());
+  video_ = std::move(*video);
+  return {};
+}
+
+Result<void> Rendering::simulate(session::ResultFiles& results, FrameEncoder& pictures) {
+  for (std::int64_t frame = 0; frame < frames_; ++frame) {
+    const session::Snapshot snapshot = simulation_->advance_to_frame(frame);
+    progress_.update(double(frame) / double(frames_),
+                     fmt::format("{:.1f} of {:.1f} s", snapshot.time, scene_.duration));
+    if (auto added = pictures.add(snapshot); !added) return added;
+    if (auto written = results.check(); !written) return written;
+  }
+  simulation_->finish();
+  if (auto drawn = pictures.finish(); !drawn) return drawn;
+  return results.finish();
+}
+
+Result<void> Rendering::write_page(const Digest& digest, const fs::path& mp4) {
+  auto page = FileStream::create(files_, fs::path(job_.output).replace_extension(".html"));
+  if (!page) return tl::unexpected(page.error());
+  const PageVideo video{mp4, job_.output.filename().string()};
+  auto written = write_report(digest, video, [&](std::string_view text) { page->write(text); });
+  return written ? page->finish() : written;
+}
+
+Result<session::Run> Rendering::run() {
+  if (auto prepared = prepare(); !prepared) return tl::unexpected(prepared.error());
+  session::Run& run = simulation_->run();
+  run.notes = surface_.notes;
+  const auto results = session::ResultFiles::create(files_, job_.output, run);
+  if (!results) return tl::unexpected(results.error());
+  Digest digest(run);
+  simulation_->add_observer(**results);
+  simulation_->add_observer(digest);
+  FrameEncoder pictures({scene_, surface_}, *renderer_, *video_, job_.threads > 1, frames_);
+  if (auto simulated = simulate(**results, pictures); !simulated) return tl::unexpected(simulated.error());
+  digest.finish();
+  const auto mp4 = video_->finish(session::SoundFile{(*results)->wav()});
+  if (!mp4) return tl::unexpected(mp4.error());
+  run.key_frames = std::move(pictures.key_frames());
+  run.costs.push_back(pictures.cost().summarise(
+      {"picture", fmt::format("{}x{} frame", scene_.video.width, scene_.video.height),
+       1.0 / scene_.video.fps}));
+  run.peak_memory_bytes = session::peak_memory_bytes();
+  run.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  if (auto page = write_page(digest, *mp4); !page) return tl::unexpected(page.error());
+  if (auto committed = files_.commit(); !committed) return tl::unexpected(committed.error());
+  progress_.update(1, fmt::format("{:.1f} of {:.1f} s", scene_.duration, scene_.duration));
+  return std::move(run);
+}
+
 }  // namespace
 
-Result<session::Recording> render(const scene::Scene& scene, const RenderJob& job) {
-  const auto start = std::chrono::steady_clock::now();
-  const auto output = [&](const char* extension) {
-    return fs::path(job.output).replace_extension(extension);
-  };
-  if (const auto ffmpeg = session::find_ffmpeg(); !ffmpeg) return tl::unexpected(ffmpeg.error());
-  if (auto named = check_extension(job.output, ".mp4", "an MP4"); !named)
-    return tl::unexpected(named.error());
-  for (const char* extension : {".mp4", ".wav", ".html", ".events.csv", ".servo.csv"}) {
-    if (auto writable = check_writable(output(extension)); !writable) return tl::unexpected(writable.error());
-  }
-
-  const auto surface = scene::make_surface(scene);
-  if (!surface) return tl::unexpected(surface.error());
-  Progress progress("render", job.quiet);
-  progress.update(0, "modal analysis");
-  auto simulation = session::Simulation::create(scene, *surface);
-  if (!simulation) return tl::unexpected(simulation.error());
-  auto renderer = scene::make_renderer(scene, *surface);
-  if (!renderer) return tl::unexpected(renderer.error());
-  OutputFiles files;
-  auto video = session::VideoWriter::create(files, job.output,
-                                            {scene.video.width, scene.video.height, scene.video.fps});
-  if (!video) return tl::unexpected(video.error());
-
-  const auto frames = std::int64_t(scene.duration * scene.video.fps + 1e-9);
-  FrameEncoder pictures({scene, *surface}, **renderer, **video, job.threads > 1, frames);
-  for (std::int64_t frame = 0; frame < frames; ++frame) {
-    const session::Snapshot snapshot = (*simulation)->advance_to_frame(frame);
-    progress.update(double(frame) / double(frames),
-                    fmt::format("{:.1f} of {:.1f} s", snapshot.time, scene.duration));
-    if (auto added = pictures.add(snapshot); !added) return tl::unexpected(added.error());
-  }
-  (*simulation)->finish();
-  if (auto drawn = pictures.finish(); !drawn) return tl::unexpected(drawn.error());
-
-  session::Recording recording = std::move((*simulation)->recording());
-  const auto wav =
-      sound::add_wav(files, output(".wav"), recording.stereo, recording.sample_rate, {.channels = 2});
-  if (!wav) return tl::unexpected(wav.error());
-  const auto mp4 = (*video)->finish(*wav);
-  if (!mp4) return tl::unexpected(mp4.error());
-  recording.notes = surface->notes;
-  recording.key_frames = std::move(pictures.key_frames());
-  recording.costs.push_back(pictures.cost().summarise(
-      {"picture", fmt::format("{}x{} frame", scene.video.width, scene.video.height), 1.0 / scene.video.fps}));
-  recording.peak_memory_bytes = session::peak_memory_bytes();
-  recording.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const auto bytes = read_file(*mp4);
-  if (!bytes) return tl::unexpected(bytes.error());
-  for (const auto& [extension, text] : {std::pair{".events.csv", session::events_csv(recording)},
-                                        {".servo.csv", session::servo_csv(recording)},
-                                        {".html", report_html(recording, *bytes)}}) {
-    if (auto written = files.write(output(extension), text); !written) return tl::unexpected(written.error());
-  }
-  if (auto committed = files.commit(); !committed) return tl::unexpected(committed.error());
-  progress.update(1, fmt::format("{:.1f} of {:.1f} s", scene.duration, scene.duration));
-  return recording;
+Result<session::Run> render(const scene::Scene& scene, const RenderJob& job) {
+  if (auto checked = check_outputs(job.output); !checked) return tl::unexpected(checked.error());
+  return Rendering(scene, job).run();
 }
 
 }  // namespace intaglio::report

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "scene/scene.h"
-#include "session/recording.h"
+#include "session/run.h"
 
 namespace intaglio::report {
 
@@ -17,6 +17,8 @@ struct RenderJob {
 };
 
 // Puts all files in place together (core/output_files.h); on an error the old ones remain as they were.
-Result<session::Recording> render(const scene::Scene& scene, const RenderJob& job);
+// Sound, logs and pictures are written while the simulation runs, so that memory does not depend on the
+// duration.
+Result<session::Run> render(const scene::Scene& scene, const RenderJob& job);
 
 }  // namespace intaglio::report

@@ -155,17 +155,6 @@ Result<RenderedSound> make_sound(const SoundPageJob& job, const std::string& tex
   return sound;
 }
 
-// Percent-encoded for a URL.
-std::string url_encoded(const std::string& name) {
-  std::string out;
-  for (const char c : name) {
-    const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 ||
-                          std::string_view("-_.~").find(c) != std::string_view::npos;
-    out += is_plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
-  }
-  return out;
-}
-
 std::string cell(const RenderedSound& sound) {
   return fmt::format(
       "<td><img src=\"{0}.png\" width=\"{1}\" height=\"{2}\" alt=\"spectrogram\"><br>"

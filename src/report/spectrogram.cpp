@@ -24,25 +24,110 @@ std::vector<float> hann(int n) {
   return window;
 }
 
-// The bins of one pixel row: a fraction between two bins, or a run of them.
-struct Row {
-  int first = 0, last = 0;
-  float fraction = 0;  // towards first + 1, where a row is narrower than a bin
+}  // namespace
+
+struct SpectrumStream::Transform {
+  std::vector<float> shape, samples, power;
+  std::vector<std::complex<float>> spectrum = {};
+  Eigen::FFT<float> fft = {};
 };
 
-std::vector<Row> rows_of(const Spectrogram& s, const SpectrogramView& view, int height) {
-  std::vector<Row> rows{};
-  rows.resize(std::size_t(height));
+SpectrumStream::SpectrumStream(int window, std::function<void(std::span<const float>)> frame)
+    : transform_(std::make_unique<Transform>(Transform{hann(window), {}, {}})), frame_(std::move(frame)) {
+  transform_->samples.resize(std::size_t(window));
+  transform_->power.resize(std::size_t(window / 2 + 1));
+  transform_->fft.SetFlag(Eigen::FFT<float>::HalfSpectrum);
+  // The first frame is centred a hop before time 0.
+  held_.reserve(std::size_t(window));
+  held_.assign(std::size_t(window / 2 + Spectrogram::frames_before * (window / 4)), 0.0F);
+}
+SpectrumStream::~SpectrumStream() = default;
+
+void SpectrumStream::add(float sample) {
+  ++samples_;
+  held_.push_back(sample);
+  if (held_.size() == transform_->shape.size()) make_frame();
+}
+
+void SpectrumStream::make_frame() {
+  auto& [shape, samples, power, spectrum, fft] = *transform_;
+  for (std::size_t i = 0; i < shape.size(); ++i)
+    samples[i] = std::isfinite(held_[i]) ? held_[i] * shape[i] : 0.0f;
+  fft.fwd(spectrum, samples);
+  for (std::size_t b = 0; b < power.size(); ++b) {
+    const bool has_mirror_image = b > 0 && b + 1 < power.size();
+    power[b] = (has_mirror_image ? 2.0f : 1.0f) * std::norm(spectrum[b]);
+  }
+  held_.erase(held_.begin(), held_.begin() + std::ptrdiff_t(shape.size() / 4));
+  ++frames_;
+  frame_(power);
+}
+
+void SpectrumStream::finish() {
+  if (samples_ == 0) return;
+  const std::size_t hop = transform_->shape.size() / 4;
+  const std::size_t frames = Spectrogram::frames_before + (samples_ - 1) / hop + 3;
+  while (frames_ < frames) {
+    held_.resize(transform_->shape.size(), 0.0F);
+    make_frame();
+  }
+}
+
+Spectrogram make_spectrogram(std::span<const float> audio, double sample_rate, int window) {
+  Spectrogram s;
+  s.window = window;
+  s.sample_rate = sample_rate;
+  s.bins = window / 2 + 1;
+  if (audio.empty() || !(sample_rate > 0)) return s;
+  SpectrumStream stream(window, [&](std::span<const float> frame) {
+    s.power.insert(s.power.end(), frame.begin(), frame.end());
+    ++s.frames;
+  });
+  for (const float sample : audio) stream.add(sample);
+  stream.finish();
+  return s;
+}
+
+void MeanSpectrum::add(std::span<const float> frame) {
+  sum_.resize(frame.size());
+  for (std::size_t b = 0; b < frame.size(); ++b) sum_[b] += double(frame[b]);
+  ++frames_;
+}
+
+std::vector<double> MeanSpectrum::mean() const {
+  std::vector<double> mean = sum_;
+  for (double& power : mean) power /= double(frames_);
+  return mean;
+}
+
+std::vector<double> mean_spectrum(const Spectrogram& s) {
+  MeanSpectrum mean;
+  for (int f = 0; f < s.frames; ++f) mean.add(s.frame(f));
+  return mean.mean();
+}
+
+double level_db(double mean_square, double floor_db) {
+  return mean_square > 0 ? std::max(floor_db, 10 * std::log10(mean_square)) : floor_db;
+}
+
+SpectrogramPicture::SpectrogramPicture(double sample_rate, int window, const SpectrogramView& view, int width,
+                                       int height)
+    : width_(width),
+      height_(height),
+      frames_per_column_(view.duration / width * sample_rate / (window / 4)),
+      rows_(std::size_t(height)),
+      power_(std::size_t(width) * std::size_t(height), 0.0F) {
+  const int bins = window / 2 + 1;
   const auto bin_at = [&](double y) {
     const double hz = view.high_hz * std::pow(view.low_hz / view.high_hz, y / height);
-    return std::clamp(hz / s.bin_hz(), 0.0, s.bins - 1.0);
+    return std::clamp(hz / (sample_rate / window), 0.0, bins - 1.0);
   };
   for (int y = 0; y < height; ++y) {
     const double low = bin_at(y + 1), high = bin_at(y);
-    Row& row = rows[std::size_t(y)];
+    Row& row = rows_[std::size_t(y)];
     if (high - low < 1) {
       const double middle = 0.5 * (low + high);
-      row.first = std::min(int(middle), s.bins - 2);
+      row.first = std::min(int(middle), bins - 2);
       row.last = row.first + 1;
       row.fraction = float(middle - row.first);
     } else {
@@ -51,85 +136,46 @@ std::vector<Row> rows_of(const Spectrogram& s, const SpectrogramView& view, int 
       row.fraction = -1;
     }
   }
-  return rows;
 }
 
-float row_power(std::span<const float> frame, const Row& row) {
+float SpectrogramPicture::row_power(std::span<const float> frame, const Row& row) {
   const auto first = std::size_t(row.first), last = std::size_t(row.last);
   if (row.fraction >= 0) return frame[first] + row.fraction * (frame[last] - frame[first]);
   return *std::max_element(frame.begin() + row.first, frame.begin() + row.last + 1);
 }
 
-// The frames that one pixel column shows: at least the nearest; none past the last.
-std::pair<int, int> frames_of(const Spectrogram& s, const SpectrogramView& view, int x, int width) {
-  const double frames_per_column = view.duration / width * s.sample_rate / s.hop();
-  const int first = Spectrogram::frames_before + int(std::lround(x * frames_per_column));
-  const int next = Spectrogram::frames_before + int(std::lround((x + 1) * frames_per_column));
-  const int last = std::max(first + 1, next);
-  return {first, std::min(last, s.frames)};
+std::pair<int, int> SpectrogramPicture::frames_of(int x) const {
+  const int first = Spectrogram::frames_before + int(std::lround(x * frames_per_column_));
+  const int next = Spectrogram::frames_before + int(std::lround((x + 1) * frames_per_column_));
+  return {first, std::max(first + 1, next)};
 }
 
-}  // namespace
-
-Spectrogram make_spectrogram(std::span<const float> audio, double sample_rate, int window) {
-  Spectrogram s;
-  s.window = window;
-  s.sample_rate = sample_rate;
-  s.bins = window / 2 + 1;
-  if (audio.empty() || !(sample_rate > 0)) return s;
-  const auto size = std::ptrdiff_t(audio.size());
-  // Four windows cover each sample, including the first and the last: this keeps the energy.
-  s.frames = Spectrogram::frames_before + int((size - 1) / s.hop()) + 3;
-  s.power.reserve(std::size_t(s.frames) * std::size_t(s.bins));
-  const std::vector<float> shape = hann(window);
-  std::vector<float> samples(shape.size());
-  std::vector<std::complex<float>> spectrum;
-  Eigen::FFT<float> fft;
-  fft.SetFlag(Eigen::FFT<float>::HalfSpectrum);
-  for (int f = 0; f < s.frames; ++f) {
-    const std::ptrdiff_t start = std::ptrdiff_t(f - Spectrogram::frames_before) * s.hop() - window / 2;
-    for (int i = 0; i < window; ++i) {
-      const std::ptrdiff_t at = start + i;
-      const float value = at >= 0 && at < size ? audio[std::size_t(at)] : 0.0f;
-      samples[std::size_t(i)] = std::isfinite(value) ? value * shape[std::size_t(i)] : 0.0f;
-    }
-    fft.fwd(spectrum, samples);
-    for (int b = 0; b < s.bins; ++b) {
-      const bool has_mirror_image = b > 0 && b < s.bins - 1;
-      s.power.push_back((has_mirror_image ? 2.0f : 1.0f) * std::norm(spectrum[std::size_t(b)]));
+void SpectrogramPicture::add(std::span<const float> frame) {
+  loudest_ = std::max(loudest_, *std::max_element(frame.begin(), frame.end()));
+  while (column_ < width_ && frames_of(column_).second <= frame_) ++column_;
+  for (int x = column_; x < width_ && frames_of(x).first <= frame_; ++x) {
+    for (int y = 0; y < height_; ++y) {
+      float& power = power_[std::size_t(y) * std::size_t(width_) + std::size_t(x)];
+      power = std::max(power, row_power(frame, rows_[std::size_t(y)]));
     }
   }
-  return s;
+  ++frame_;
 }
 
-std::vector<double> mean_spectrum(const Spectrogram& s) {
-  std::vector<double> mean(std::size_t(s.bins), 0.0);
-  for (int f = 0; f < s.frames; ++f) {
-    const std::span<const float> frame = s.frame(f);
-    for (std::size_t b = 0; b < mean.size(); ++b) mean[b] += double(frame[b]) / s.frames;
+Image8 SpectrogramPicture::image(double floor_db, double top_db) const {
+  Image8 image(width_, height_, 3);
+  for (std::size_t k = 0; k < power_.size(); ++k) {
+    const double level = level_db(double(power_[k]), floor_db);
+    const Rgb colour = magma((level - floor_db) / (top_db - floor_db));
+    std::copy(colour.begin(), colour.end(), image.data.begin() + std::ptrdiff_t(3 * k));
   }
-  return mean;
-}
-
-double level_db(double mean_square, double floor_db) {
-  return mean_square > 0 ? std::max(floor_db, 10 * std::log10(mean_square)) : floor_db;
+  return image;
 }
 
 Image8 spectrogram_image(const Spectrogram& s, const SpectrogramView& view, int width, int height) {
-  Image8 image(width, height, 3);
-  const std::vector<Row> rows =
-      s.frames > 0 ? rows_of(s, view, height) : std::vector<Row>(std::size_t(height));
-  for (int x = 0; x < width; ++x) {
-    const auto [first, last] = s.frames > 0 ? frames_of(s, view, x, width) : std::pair(0, 0);
-    for (int y = 0; y < height; ++y) {
-      float power = 0;
-      for (int f = first; f < last; ++f) power = std::max(power, row_power(s.frame(f), rows[std::size_t(y)]));
-      const double level = level_db(double(power), view.floor_db);
-      const Rgb colour = magma((level - view.floor_db) / (view.top_db - view.floor_db));
-      for (int c = 0; c < 3; ++c) image.at(x, y, c) = colour[std::size_t(c)];
-    }
-  }
-  return image;
+  SpectrogramPicture picture(s.sample_rate, s.window, view, width, height);
+  for (int f = 0; f < s.frames; ++f) picture.add(s.frame(f));
+  return picture.image(view.floor_db, view.top_db);
 }
 
 namespace {
@@ -138,11 +184,9 @@ constexpr double low_hz = 20, high_hz = 20000;
 
 }  // namespace
 
-ModalSpectrum::ModalSpectrum(const Spectrogram& spectrogram, std::vector<double> modes, double width)
-    : modes_(std::move(modes)),
-      power_(mean_spectrum(spectrogram)),
-      bin_hz_(spectrogram.bin_hz()),
-      width_(width) {
+ModalSpectrum::ModalSpectrum(std::vector<double> mean_power, double bin_hz, std::vector<double> modes,
+                             double width)
+    : modes_(std::move(modes)), power_(std::move(mean_power)), bin_hz_(bin_hz), width_(width) {
   std::sort(modes_.begin(), modes_.end());
 }
 

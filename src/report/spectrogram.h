@@ -6,7 +6,9 @@
 // Cost: about 20 us a frame of 2048; memory: 4 bytes a frame and bin, 0.35 MB a second at 44.1 kHz.
 #pragma once
 
+#include <functional>
 #include <limits>
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
@@ -33,10 +35,43 @@ struct Spectrogram {
   }
 };
 
+// The same frame by frame, from samples that are added as they are made.
+class SpectrumStream {
+ public:
+  // `frame` takes the power of each frame, in order.
+  SpectrumStream(int window, std::function<void(std::span<const float>)> frame);
+  SpectrumStream(const SpectrumStream&) = delete;
+  SpectrumStream& operator=(const SpectrumStream&) = delete;
+  ~SpectrumStream();
+
+  // A sample that is not finite counts as silence.
+  void add(float sample);
+  // Adds the last frames: four windows cover each sample, which keeps the energy.
+  void finish();
+
+ private:
+  struct Transform;
+  void make_frame();
+
+  std::unique_ptr<Transform> transform_;
+  std::function<void(std::span<const float>)> frame_;
+  std::size_t samples_ = 0, frames_ = 0;
+  std::vector<float> held_;  // those of the next frame, so far
+};
+
 // Samples that are not finite count as silence. Empty without audio or with a rate that is not positive.
 Spectrogram make_spectrogram(std::span<const float> audio, double sample_rate, int window = 2048);
 
-// Power averaged over all frames, one value a bin.
+// Power averaged over frames, one value a bin.
+class MeanSpectrum {
+ public:
+  void add(std::span<const float> frame);
+  std::vector<double> mean() const;
+
+ private:
+  std::vector<double> sum_;
+  std::size_t frames_ = 0;
+};
 std::vector<double> mean_spectrum(const Spectrogram& spectrogram);
 
 // Decibels of a mean square against full scale, never below `floor_db`.
@@ -56,17 +91,47 @@ struct SpectrogramView {
   double top_db = -20;     // and above: its last
 };
 
-// RGB, row 0 = high_hz. A pixel shows the maximum over the frames in its column and the bins in its row
-// (interpolated where bins are farther apart than rows), so that no impact is lost between columns.
+// The picture, from frames that are added as they are made. RGB, row 0 = high_hz.
+//
+// A pixel shows the maximum over the frames in its column and the bins in its row (interpolated where bins
+// are farther apart than rows), so that no impact is lost between columns.
+class SpectrogramPicture {
+ public:
+  // `view`: the axes; levels are chosen when it is drawn.
+  SpectrogramPicture(double sample_rate, int window, const SpectrogramView& view, int width, int height);
+
+  void add(std::span<const float> frame);
+  // The largest power of a bin.
+  float loudest() const { return loudest_; }
+  Image8 image(double floor_db, double top_db) const;
+
+ private:
+  // The bins of one pixel row: a fraction between two bins, or a run of them.
+  struct Row {
+    int first = 0, last = 0;
+    float fraction = 0;  // towards first + 1, where a row is narrower than a bin
+  };
+  static float row_power(std::span<const float> frame, const Row& row);
+  // The frames that a pixel column shows: from first, before last; at least the nearest.
+  std::pair<int, int> frames_of(int x) const;
+
+  int width_, height_;
+  double frames_per_column_;
+  std::vector<Row> rows_;
+  std::vector<float> power_;    // width x height
+  int frame_ = 0, column_ = 0;  // the next frame, and the first column that shows it
+  float loudest_ = 0;
+};
+
 Image8 spectrogram_image(const Spectrogram& spectrogram, const SpectrogramView& view, int width, int height);
 
 // Measures how much of a sound's power lies at given modal frequencies.
 //
-// The mean spectrum of a sound and its expected modal frequencies (Hz, finite, positive). "Near" is within
-// `width` of a frequency, as a fraction of it. NaN when undefined.
+// The mean spectrum of a sound, in bins from 0 Hz, and its expected modal frequencies (Hz, finite, positive).
+// "Near" is within `width` of a frequency, as a fraction of it. NaN when undefined.
 class ModalSpectrum {
  public:
-  ModalSpectrum(const Spectrogram& spectrogram, std::vector<double> modes, double width);
+  ModalSpectrum(std::vector<double> mean_power, double bin_hz, std::vector<double> modes, double width);
 
   bool near_mode(double hz) const;
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
+#include <vector>
 
 #include "report/html.h"
 
@@ -34,44 +34,6 @@ std::string title_element(std::string_view tooltip) {
   return tooltip.empty() ? std::string() : fmt::format("<title>{}</title>", escape_html(tooltip));
 }
 
-// Minimum and maximum of the samples in one unit of x, in order of time.
-struct Column {
-  double first_x = 0, first_value = 0, second_x = 0, second_value = 0;
-};
-
-// Runs of columns between samples that are not finite.
-std::vector<std::vector<Column>> column_extrema(const Axis& x, const Series& series) {
-  std::vector<std::vector<Column>> runs(1);
-  double current_x = std::numeric_limits<double>::quiet_NaN();  // the unit of x whose column is open
-  std::size_t least = 0, most = 0;
-  const auto x_of = [&](std::size_t k) { return x(series.start + double(k) * series.step); };
-  const auto close = [&] {
-    if (std::isnan(current_x)) return;
-    const auto [a, b] = std::minmax(least, most);
-    runs.back().push_back({x_of(a), series.values[a], x_of(b), series.values[b]});
-    current_x = std::numeric_limits<double>::quiet_NaN();
-  };
-  for (std::size_t k = 0; k < series.values.size(); ++k) {
-    const double at = x_of(k);
-    if (!finite(at, series.values[k])) {
-      close();
-      if (!runs.back().empty()) runs.emplace_back();
-      continue;
-    }
-    if (at < x.units().low - 1 || at > x.units().high + 1) continue;
-    if (std::floor(at) != current_x) {
-      close();
-      current_x = std::floor(at);
-      least = most = k;
-    } else {
-      if (series.values[k] < series.values[least]) least = k;
-      if (series.values[k] > series.values[most]) most = k;
-    }
-  }
-  close();
-  return runs;
-}
-
 // Decimals needed to distinguish ticks `spacing` apart.
 int decimals_for(double spacing) {
   if (!(spacing > 0) || !std::isfinite(spacing)) return 0;
@@ -85,7 +47,7 @@ int decimals_of(const Axis& axis, const std::vector<double>& ticks) {
 
 // Whether a column of a run or one of its neighbours lies within the axis; farther outside it would draw a
 // line along the edge.
-bool near_axis(const std::vector<Column>& run, std::size_t k, const Axis& y) {
+bool near_axis(const std::vector<DrawnCurve::Column>& run, std::size_t k, const Axis& y) {
   const Range& range = y.values();
   for (std::size_t j = k > 0 ? k - 1 : 0; j <= std::min(k + 1, run.size() - 1); ++j) {
     const auto [least, most] = std::minmax(run[j].first_value, run[j].second_value);
@@ -99,57 +61,6 @@ double clipped(const Axis& y, double value) {
 }
 
 }  // namespace
-
-Range range_of(std::span<const double> values, const Range& fallback) {
-  Range range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-  for (const double value : values) {
-    if (!std::isfinite(value)) continue;
-    range.low = std::min(range.low, value);
-    range.high = std::max(range.high, value);
-  }
-  // Differences of values near the largest double are infinite: fall back.
-  if (!(range.low <= range.high) || !std::isfinite(2 * range.low) || !std::isfinite(2 * range.high))
-    return fallback;
-  const double least = 1e-9 * std::max(std::abs(range.low), 1e-3);
-  if (range.size() < least)
-    return {range.low - 0.5 * std::max(least, 1e-3), range.high + 0.5 * std::max(least, 1e-3)};
-  return range;
-}
-
-Axis::Axis(const Range& values, const Range& units, AxisScale scale)
-    : values_(values), units_(units), scale_(scale) {}
-
-double Axis::operator()(double value) const {
-  const double fraction = scale_ == AxisScale::linear
-                              ? (value - values_.low) / values_.size()
-                              : std::log(value / values_.low) / std::log(values_.high / values_.low);
-  return units_.low + fraction * units_.size();
-}
-
-std::vector<double> Axis::ticks(int count) const {
-  std::vector<double> ticks;
-  if (scale_ == AxisScale::logarithmic) {
-    for (double decade = std::pow(10, std::floor(std::log10(values_.low))); decade <= values_.high;
-         decade *= 10) {
-      for (const double value : {decade, 2 * decade, 5 * decade}) {
-        if (value >= values_.low && value <= values_.high) ticks.push_back(value);
-      }
-    }
-    return ticks;
-  }
-  const double rough = values_.size() / std::max(count, 1);
-  const double power = std::pow(10, std::floor(std::log10(rough)));
-  const double spacing = power * (rough / power < 1.5   ? 1
-                                  : rough / power < 3.5 ? 2
-                                  : rough / power < 7.5 ? 5
-                                                        : 10);
-  // Multiples of the spacing, not sums of it, which would drift off the round values.
-  for (double k = std::ceil(values_.low / spacing - 1e-9); k * spacing <= values_.high + 1e-9 * spacing;
-       ++k) {
-    ticks.push_back(k * spacing);
-  }
-  return ticks;
-}
 
 SvgPlot::SvgPlot(double width, double height, std::string_view classes, std::string_view title,
                  std::string_view description) {
@@ -213,12 +124,12 @@ void SvgPlot::polyline(std::span<const double> xs, std::span<const double> ys, s
   out_ += fmt::format("<polyline class=\"{}\" style=\"{}\" points=\"{}\"/>\n", classes, style, points);
 }
 
-void SvgPlot::curve(const Axis& x, const Axis& y, const Series& series, std::string_view classes) {
+void SvgPlot::curve(const Axis& y, const DrawnCurve& curve, std::string_view classes) {
   std::string path;
-  for (const std::vector<Column>& run : column_extrema(x, series)) {
+  for (const std::vector<DrawnCurve::Column>& run : curve.runs()) {
     char command = 'M';
     for (std::size_t k = 0; k < run.size(); ++k) {
-      const Column& column = run[k];
+      const DrawnCurve::Column& column = run[k];
       if (!near_axis(run, k, y)) {
         command = 'M';
         continue;
@@ -235,11 +146,11 @@ void SvgPlot::curve(const Axis& x, const Axis& y, const Series& series, std::str
   if (!path.empty()) out_ += fmt::format("<path class=\"{}\" d=\"{}\"/>\n", classes, path);
 }
 
-void SvgPlot::envelope(const Axis& x, const Axis& y, const Series& series, std::string_view classes) {
+void SvgPlot::envelope(const Axis& y, const DrawnCurve& curve, std::string_view classes) {
   std::string path;
-  for (const std::vector<Column>& run : column_extrema(x, series)) {
+  for (const std::vector<DrawnCurve::Column>& run : curve.runs()) {
     char command = 'M';
-    for (const Column& column : run) {
+    for (const DrawnCurve::Column& column : run) {
       fmt::format_to(std::back_inserter(path), "{}{:.1f} {:.1f}", command, column.first_x,
                      clipped(y, std::max(column.first_value, column.second_value)));
       command = 'L';

@@ -1,4 +1,4 @@
-// Plots as inline SVG: axes that map values to drawing units, and marks styled by CSS classes.
+// Plots as inline SVG: marks on axes (report/axis.h), styled by CSS classes.
 //
 // Coordinates are in drawing units, y down. Non-finite values are skipped, so that any recording gives valid
 // SVG. Colours come from the page's style sheet: one class names the kind of mark, another the body that it
@@ -10,48 +10,11 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
+
+#include "report/axis.h"
+#include "report/drawn_curve.h"
 
 namespace intaglio::report {
-
-struct Range {
-  double low = 0;
-  double high = 1;
-
-  double size() const { return high - low; }
-  // Extended by `fraction` of its size at both ends.
-  Range padded(double fraction) const { return {low - fraction * size(), high + fraction * size()}; }
-};
-
-// The smallest range that holds all finite values; `fallback` when there are none; never of size 0.
-Range range_of(std::span<const double> values, const Range& fallback = {});
-
-enum class AxisScale { linear, logarithmic };
-
-// Maps values to drawing units. `units` may run downwards (low > high), as for y.
-class Axis {
- public:
-  Axis(const Range& values, const Range& units, AxisScale scale = AxisScale::linear);
-
-  double operator()(double value) const;
-  const Range& values() const { return values_; }
-  const Range& units() const { return units_; }
-  AxisScale scale() const { return scale_; }
-  // Round values inside the axis: about `count` on a linear one; 1, 2, 5 times powers of ten on a logarithmic
-  // one.
-  std::vector<double> ticks(int count) const;
-
- private:
-  Range values_, units_;
-  AxisScale scale_;
-};
-
-// An evenly sampled series: value k is at x = start + k * step.
-struct Series {
-  double start = 0;
-  double step = 1;
-  std::span<const double> values;
-};
 
 enum class TextAnchor { start, middle, end };
 
@@ -75,11 +38,10 @@ class SvgPlot {
   void polyline(std::span<const double> xs, std::span<const double> ys, std::string_view classes,
                 std::string_view style = {});
 
-  // A curve of any length: where many samples fall into one unit of x, their least and greatest are drawn, so
-  // that no peak is lost. Clipped to the axes. Breaks where a value is not finite.
-  void curve(const Axis& x, const Axis& y, const Series& series, std::string_view classes);
+  // Clipped to the axes.
+  void curve(const Axis& y, const DrawnCurve& curve, std::string_view classes);
   // The same as an area between the least and the greatest value of each unit of x.
-  void envelope(const Axis& x, const Axis& y, const Series& series, std::string_view classes);
+  void envelope(const Axis& y, const DrawnCurve& curve, std::string_view classes);
 
   // Frame of a plot area with horizontal grid lines and labels at its left; `label` reads upwards beside
   // them.

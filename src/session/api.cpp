@@ -29,6 +29,8 @@ Result<Recording> simulate(const Scene& scene, const SimulateOptions& options) {
   if (!surface) return tl::unexpected(surface.error());
   auto simulation = session::Simulation::create(from, *surface);
   if (!simulation) return tl::unexpected(simulation.error());
+  session::Recording recording;
+  (*simulation)->add_observer(recording);
   std::vector<FrameState> frames;
   const auto count = std::int64_t(from.duration * from.video.fps + 1e-9);
   for (std::int64_t k = 0; k < count; ++k) {
@@ -37,7 +39,7 @@ Result<Recording> simulate(const Scene& scene, const SimulateOptions& options) {
     if (options.progress) options.progress(double(k) / double(count));
   }
   (*simulation)->finish();
-  session::Recording recording = std::move((*simulation)->recording());
+  static_cast<session::Run&>(recording) = std::move((*simulation)->run());
   recording.notes = surface->notes;
   if (options.progress) options.progress(1);
   return Recording(std::make_shared<const Recording::Impl>(

@@ -8,7 +8,7 @@
 
 #include "intaglio/representation.h"
 #include "intaglio/vec.h"
-#include "session/recording.h"
+#include "session/cost_meter.h"
 #include "session/simulation.h"
 
 namespace intaglio::session {

@@ -43,24 +43,24 @@ Simulation::Simulation(const scene::Scene& scene, const scene::SceneSurface& sur
       scene_surface_(surface),
       clock_({scene.physics.rate, servo_rate(scene), scene.sound.sample_rate, scene.video.fps}),
       loop_(scene, surface, scene.surface.representation, scene.surface.representation,
-            [this](const ContactEvent& event) { record(event); }),
+            [this](const ContactEvent& event) { emit(event); }),
       block_(2 * block_size) {
-  recording_.title = scene.title;
-  recording_.duration = scene.duration;
-  recording_.physics_rate = scene.physics.rate;
-  recording_.servo_rate = servo_rate(scene);
-  recording_.sample_rate = scene.sound.sample_rate;
-  recording_.fps = scene.video.fps;
-  recording_.representation = scene.surface.representation;
-  recording_.surface = surface.surface;
-  recording_.texture = scene.surface.texture;
+  run_.title = scene.title;
+  run_.duration = scene.duration;
+  run_.physics_rate = scene.physics.rate;
+  run_.servo_rate = servo_rate(scene);
+  run_.sample_rate = scene.sound.sample_rate;
+  run_.fps = scene.video.fps;
+  run_.representation = scene.surface.representation;
+  run_.surface = surface.surface;
+  run_.texture = scene.surface.texture;
   for (std::size_t k = 0; k < scene.balls.size(); ++k)
-    recording_.balls.push_back({loop_.world().ball(k), scene.balls[k].radius, {}});
+    run_.balls.push_back({loop_.world().ball(k), scene.balls[k].radius});
   if (scene.pen) {
     device_.emplace(scene.pen->device, scene.pen->hand, device_path(*scene.pen));
     servo_.emplace(loop_.pen()->make_servo());
-    if (const auto warning = pen_stability_warning(*scene.pen)) recording_.warnings.push_back(*warning);
-    recording_.pen = loop_.world().pen();
+    if (const auto warning = pen_stability_warning(*scene.pen)) run_.warnings.push_back(*warning);
+    run_.pen = loop_.world().pen();
   }
 }
 
@@ -76,11 +76,11 @@ Result<void> Simulation::bake(const scene::VoiceOptions& options) {
   const std::int64_t start = process_cpu_ns();
   auto voices = scene::bake_voices(scene_, scene_surface_, options);
   if (!voices) return tl::unexpected(voices.error());
-  recording_.voices = std::move(voices->voices);
+  run_.voices = std::move(voices->voices);
   synthesizer_ =
       std::make_unique<sound::Synthesizer>(scene::synthesizer_options(scene_), std::move(voices->bodies));
   synthesizer_->set_listener(listener_of(scene_.camera));
-  recording_.bake_s = double(process_cpu_ns() - start) * 1e-9;
+  run_.bake_s = double(process_cpu_ns() - start) * 1e-9;
   return {};
 }
 
@@ -93,8 +93,7 @@ void Simulation::run_until(Ticks end) {
   };
   while (true) {
     const Ticks physics = clock_.due(physics_done_ + 1, scene_.physics.rate);
-    const Ticks servo =
-        servo_ ? clock_.due(servo_done_, recording_.servo_rate) : std::numeric_limits<Ticks>::max();
+    const Ticks servo = servo_ ? clock_.due(servo_done_, run_.servo_rate) : std::numeric_limits<Ticks>::max();
     const Ticks block = block_due();
     const Ticks next = std::min({physics, servo, block});
     if (next > end) return;
@@ -115,37 +114,29 @@ Snapshot Simulation::advance_to_frame(std::int64_t index) {
   const scene::SceneWorld& world = loop_.world();
   for (std::size_t k = 0; k < world.count(); ++k)
     (k < scene_.balls.size() ? snapshot.balls : snapshot.bodies).push_back(world.pose(k));
-  if (!recording_.servo.empty()) snapshot.pen_tip = recording_.servo.back().proxy;
+  snapshot.pen_tip = pen_tip_;
   return snapshot;
 }
 
 void Simulation::finish() {
   run_until(clock_.due(clock_.steps(scene_.duration, scene_.physics.rate), scene_.physics.rate));
-  const auto samples = std::size_t(clock_.steps(scene_.duration, scene_.sound.sample_rate));
-  std::vector<float>& stereo = recording_.stereo;
-  while (stereo.size() < 2 * samples) step_sound();
-  stereo.resize(2 * samples);
-  sound::to_full_scale(stereo, stereo, {scene_.sound.gain_db});
-  for (std::size_t k = 0; k < samples; ++k)
-    recording_.audio.push_back(0.5f * (stereo[2 * k] + stereo[2 * k + 1]));
-  Hash audio;
-  audio.add(std::span<const float>(stereo));
-  recording_.audio_hash = audio.value();
-  recording_.event_hash = event_hash_.value();
-  recording_.momentum_residual = loop_.world().world().momentum_residual();
-  recording_.surface_bytes = scene_surface_.surface->memory_bytes();
-  recording_.costs = {
+  const std::int64_t samples = clock_.steps(scene_.duration, scene_.sound.sample_rate);
+  while (blocks_done_ * std::int64_t(block_size) < samples) step_sound();
+  run_.audio_hash = audio_hash_.value();
+  run_.event_hash = event_hash_.value();
+  run_.momentum_residual = loop_.world().world().momentum_residual();
+  run_.surface_bytes = scene_surface_.surface->memory_bytes();
+  run_.costs = {
       physics_cost_.summarise(
           {"dynamics", fmt::format("1/{} s step", scene_.physics.rate), 1.0 / scene_.physics.rate}),
-      servo_cost_.summarise(
-          {"haptics", fmt::format("1/{} s tick", recording_.servo_rate), 1.0 / recording_.servo_rate}),
+      servo_cost_.summarise({"haptics", fmt::format("1/{} s tick", run_.servo_rate), 1.0 / run_.servo_rate}),
       sound_cost_.summarise({"sound", fmt::format("{}-sample block", block_size),
                              double(block_size) / scene_.sound.sample_rate}),
   };
 }
 
-void Simulation::record(const ContactEvent& event) {
-  recording_.events.push_back(event);
+void Simulation::emit(const ContactEvent& event) {
+  ++run_.event_count;
   synthesizer_->push(event);
   event_hash_.add(event.time);
   event_hash_.add(std::isnan(event.touch_age) ? -1 : event.touch_age);
@@ -162,43 +153,60 @@ void Simulation::record(const ContactEvent& event) {
   for (const Vec3* v : {&event.point, &event.n_s, &event.v_t, &event.impulse}) {
     for (int k = 0; k < 3; ++k) event_hash_.add((*v)[k]);
   }
+  for (Observer* const observer : observers_) observer->on_event(event);
 }
 
 void Simulation::step_physics() {
   physics_cost_.measure([&] { loop_.step(servo_ ? &servo_->report() : nullptr); });
   ++physics_done_;
   loop_.emit_contacts();
-  for (std::size_t k = 0; k < recording_.balls.size(); ++k)
-    recording_.balls[k].position.push_back(loop_.world().pose(k).position);
+  positions_.clear();
+  for (std::size_t k = 0; k < run_.balls.size(); ++k) positions_.push_back(loop_.world().pose(k).position);
+  for (Observer* const observer : observers_) observer->on_step(positions_);
 }
 
 void Simulation::step_servo() {
   haptics::ServoSample sample;
   haptics::SceneSnapshot scene = loop_.snapshot();
-  const double time = double(servo_done_) / recording_.servo_rate;
+  const double time = double(servo_done_) / run_.servo_rate;
   // Physics may be slower than the guard's patience with live scenes: here the scene never stalls.
   for (haptics::SceneBall& ball : scene.balls) ball.position += (time - scene.time) * ball.velocity;
   scene.time = time;
   servo_cost_.measure([&] { sample = servo_->tick(*device_, scene, time); });
-  device_->advance(1.0 / recording_.servo_rate);
+  device_->advance(1.0 / run_.servo_rate);
   ++servo_done_;
-  recording_.servo.push_back(sample);
-  loop_.emit_pen(servo_->report(), double(servo_done_) / recording_.servo_rate, 1.0 / recording_.servo_rate);
+  pen_tip_ = sample.proxy;
+  for (Observer* const observer : observers_) observer->on_tick(sample);
+  loop_.emit_pen(servo_->report(), double(servo_done_) / run_.servo_rate, 1.0 / run_.servo_rate);
 }
 
 void Simulation::step_sound() {
   sound_cost_.measure([&] { synthesizer_->render_stereo(block_); });
-  ++blocks_done_;
-  recording_.stereo.insert(recording_.stereo.end(), block_.begin(), block_.end());
+  // The scene ends within the last block.
+  const std::int64_t left =
+      clock_.steps(scene_.duration, scene_.sound.sample_rate) - std::int64_t(block_size) * blocks_done_++;
+  const std::span stereo(block_.data(),
+                         2 * std::size_t(std::clamp(left, std::int64_t{0}, std::int64_t(block_size))));
+  sound::to_full_scale(stereo, stereo, {scene_.sound.gain_db});
+  audio_hash_.add(std::span<const float>(stereo));
+  for (Observer* const observer : observers_) observer->on_sound(stereo);
+}
+
+Result<Recording> play(const scene::Scene& scene, const scene::SceneSurface& surface,
+                       const scene::VoiceOptions& voices) {
+  auto simulation = Simulation::create(scene, surface, voices);
+  if (!simulation) return tl::unexpected(simulation.error());
+  Recording recording;
+  (*simulation)->add_observer(recording);
+  (*simulation)->finish();
+  static_cast<Run&>(recording) = std::move((*simulation)->run());
+  return recording;
 }
 
 Result<Recording> play(const scene::Scene& scene) {
   const auto surface = scene::make_surface(scene);
   if (!surface) return tl::unexpected(surface.error());
-  auto simulation = Simulation::create(scene, *surface);
-  if (!simulation) return tl::unexpected(simulation.error());
-  (*simulation)->finish();
-  return std::move((*simulation)->recording());
+  return play(scene, *surface);
 }
 
 }  // namespace intaglio::session

@@ -2,7 +2,7 @@
 //
 // Steps run in the order in which they are due (core/clock.h); at the same tick physics goes before
 // haptics, haptics before sound. A block of sound is rendered once every contact that can be heard in it has
-// happened. One thread; deterministic.
+// happened. All that is made goes to observers at once. One thread; deterministic.
 #pragma once
 
 #include <filesystem>
@@ -40,10 +40,12 @@ class Simulation {
 
   // Runs everything due up to and including frame `index`, and returns the poses at that time.
   Snapshot advance_to_frame(std::int64_t index);
-  // Runs to the end of the scene; then recording() is complete except for pictures, their cost and wall time.
+  // Runs to the end of the scene; then run() is complete except for pictures, their cost and wall time.
   void finish();
 
-  Recording& recording() { return recording_; }
+  // Hands everything from now on to `observer`, which lives until finish() has returned.
+  void add_observer(Observer& observer) { observers_.push_back(&observer); }
+  Run& run() { return run_; }
 
  private:
   Simulation(const scene::Scene& scene, const scene::SceneSurface& surface);
@@ -53,7 +55,7 @@ class Simulation {
   void step_physics();
   void step_servo();
   void step_sound();
-  void record(const ContactEvent& event);
+  void emit(const ContactEvent& event);
 
   scene::Scene scene_;
   scene::SceneSurface scene_surface_;
@@ -66,11 +68,16 @@ class Simulation {
 
   std::int64_t physics_done_ = 0, servo_done_ = 0, blocks_done_ = 0;
   CostMeter physics_cost_, servo_cost_, sound_cost_;
-  Hash event_hash_;
-  Recording recording_;
+  Hash event_hash_, audio_hash_;
+  std::optional<Vec3> pen_tip_;  // m, as drawn
+  std::vector<Vec3> positions_;  // m, of the balls after the last step
+  std::vector<Observer*> observers_;
+  Run run_;
 };
 
-// Simulates a scene without rendering. Seconds, mostly modal analysis.
+// Simulates a scene without rendering and keeps everything. Seconds, mostly modal analysis.
+Result<Recording> play(const scene::Scene& scene, const scene::SceneSurface& surface,
+                       const scene::VoiceOptions& voices = {});
 Result<Recording> play(const scene::Scene& scene);
 
 }  // namespace intaglio::session

@@ -51,10 +51,9 @@ SceneSurface grating(double wavelength, double depth) {
 }
 
 Recording run(const Scene& scene, const SceneSurface& surface) {
-  auto simulation = Simulation::create(scene, surface, tests::cached_models());
-  REQUIRE(simulation);
-  (*simulation)->finish();
-  return std::move((*simulation)->recording());
+  auto recording = play(scene, surface, tests::cached_models());
+  REQUIRE(recording);
+  return std::move(*recording);
 }
 
 Scene scene_of(const std::string& text) {
@@ -233,7 +232,7 @@ TEST_CASE("a ball that rolls over a grating sounds at v / lambda, whichever sour
     const Recording recording = run(scene, surface);
     const double from = 0.2, to = 1.5;
     const auto x = [&](double t) {
-      return between(t, 960, [&](std::size_t k) { return recording.balls[0].position[k - 1].x(); });
+      return between(t, 960, [&](std::size_t k) { return recording.tracks[0][k - 1].x(); });
     };
     const double hertz = (x(to) - x(from)) / (to - from) / wavelength;
     const double heard = repetition(recording.audio, from, to, wavelength, x);

@@ -7,12 +7,15 @@
 #include <regex>
 #include <set>
 
+#include "core/file.h"
 #include "core/portable_math.h"
 #include "report/agreement.h"
-#include "report/contacts.h"
+#include "report/digest.h"
 #include "report/html.h"
+#include "report/svg_plot.h"
 #include "surface/import.h"
 #include "surface/recipes/builtin.h"
+#include "tests/temporary_folder.h"
 
 using namespace intaglio;
 using namespace intaglio::scene;
@@ -38,9 +41,10 @@ Recording session_of(double seconds) {
   r.pen = 2;
   r.voices = {{0, "floor", "brick", {500, 3000}, {0.05, 0.1}}, {1, "ball 1", "glass", {7000}, {0.05}}};
   r.audio.assign(std::size_t(seconds * r.sample_rate), 0.0f);
-  r.balls.push_back({1, 0.05, {}});
+  r.balls.push_back({1, 0.05});
+  r.tracks.emplace_back();
   for (int k = 1; k <= seconds * r.physics_rate; ++k) {
-    r.balls[0].position.push_back(Vec3(0.1, 0.05 + std::abs(std::sin(k * 0.01)), 0.1));
+    r.tracks[0].push_back(Vec3(0.1, 0.05 + std::abs(std::sin(k * 0.01)), 0.1));
   }
   for (double time = 0.25; time < seconds; time += 0.5) {
     ContactEvent event;
@@ -74,8 +78,8 @@ Recording broken_session() {
   const double nan = std::nan(""), inf = HUGE_VAL;
   Recording r = session_of(1);
   r.duration = nan;
-  r.balls[0].position[10] = Vec3(nan, inf, 1e300);
-  r.balls.push_back({3, nan, {}});
+  r.tracks[0][10] = Vec3(nan, inf, 1e300);
+  r.balls.push_back({3, nan});
   for (std::size_t k = 0; k < 6; ++k) r.events.push_back(r.events[0]);
   r.events[1].time = nan;
   r.events[2].impulse = Vec3(inf, 0, 0);
@@ -94,6 +98,15 @@ Recording broken_session() {
   r.momentum_residual = nan;
   r.key_frames.push_back({nan, {}});
   return r;
+}
+
+std::string page_of(const Digest& digest, const PageVideo& video = {}) {
+  std::string page;
+  REQUIRE(write_report(digest, video, [&](std::string_view text) { page += text; }));
+  return page;
+}
+std::string page_of(const Recording& recording, const PageVideo& video = {}) {
+  return page_of(*digest_of(recording), video);
 }
 
 // The page without its images, whose letters are chance.
@@ -142,9 +155,11 @@ std::size_t count_of(const std::string& text, const std::string& part) {
 }  // namespace
 
 TEST_CASE("a report is well-formed, complete and finite for any recording") {
-  const std::vector<std::uint8_t> video = {0, 1, 2, 3};
+  const tests::TemporaryFolder folder;
+  const PageVideo video{folder.path / "a.mp4", "a.mp4"};
+  REQUIRE(write_file(video.file, std::string_view("\0\1\2\3", 4)));
   for (const Recording& recording : {Recording{}, session_of(2), broken_session()}) {
-    const std::string html = without_data(report_html(recording, video));
+    const std::string html = without_data(page_of(recording, video));
     CHECK(nesting_fault(html) == "");
     for (const char* id : {"seen", "felt", "moved", "heard", "agreement", "cost"}) {
       CHECK(count_of(html, std::string("<section id=\"") + id + "\"") == 1);
@@ -167,7 +182,7 @@ TEST_CASE("text from outside is escaped") {
   recording.voices[0].name = "<b>floor";
   recording.voices[0].material = "a&b";
   recording.costs[0].sense = "<i>";
-  const std::string html = report_html(recording, {});
+  const std::string html = page_of(recording);
   CHECK(count_of(html, "<script>") == 1);  // the page's own
   CHECK(html.find("&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt; &amp; &quot;more&quot;") !=
         std::string::npos);
@@ -178,11 +193,12 @@ TEST_CASE("text from outside is escaped") {
 
 TEST_CASE("one instant is one vertical line through all tracks") {
   const Recording recording = session_of(2);
-  const std::vector<Impact> impacts = strongest(find_impacts(recording), 40, 0.03);
+  const auto digest = digest_of(recording);
+  const std::vector<Impact> impacts = strongest(digest->contacts().impacts(), 40, 0.03);
   CHECK(impacts.size() == 4);
   const std::regex line("<line class=\"impact [^\"]*\" x1=\"([0-9.]+)\"");
   const std::regex frame("class=\"frame\" x=\"76.00\" y=\"[0-9.]+\" width=\"900.00\"");
-  for (const std::string& svg : {felt_html(recording), moved_html(recording), heard_html(recording)}) {
+  for (const std::string& svg : {felt_html(*digest), moved_html(*digest), heard_html(*digest)}) {
     CHECK(svg.find("viewBox=\"0 0 1100 ") != std::string::npos);
     CHECK(std::distance(std::sregex_iterator(svg.begin(), svg.end(), frame), std::sregex_iterator()) == 2);
     std::size_t k = 0;
@@ -196,7 +212,7 @@ TEST_CASE("one instant is one vertical line through all tracks") {
 
 TEST_CASE("agreement is near perfect for a session that agrees, and chance for one that does not") {
   Recording recording = session_of(4);
-  const Agreement good = measure_agreement(recording);
+  const Agreement good = measure_agreement(*digest_of(recording));
   CHECK(good.onsets == 8);
   CHECK(good.onsets_at_touch == 1);
   CHECK(good.touches == 8);
@@ -209,7 +225,7 @@ TEST_CASE("agreement is near perfect for a session that agrees, and chance for o
 
   for (ContactEvent& event : recording.events) event.time += 0.2;
   recording.voices[0].frequencies = {730, 5000};
-  const Agreement bad = measure_agreement(recording);
+  const Agreement bad = measure_agreement(*digest_of(recording));
   CHECK(bad.onsets_at_touch == 0);
   CHECK(bad.touches_heard == 0);
   CHECK(bad.idle_energy > 0.5);
@@ -233,7 +249,7 @@ TEST_CASE(
   add(10, 0.1, ContactPhase::begin, 0.0015);  // lands
   for (int k = 11; k < 300; ++k)              // slides, and meets edges at 200 and 210
     add(k, k == 200 ? 0.08 : k == 210 ? 0.05 : k == 250 ? 0.001 : 0.0008, ContactPhase::persist);
-  const std::vector<AudibleTouch> touches = find_touches(recording);
+  const std::vector<AudibleTouch> touches = digest_of(recording)->contacts().touches().touches(1);
   REQUIRE(touches.size() == 3);
   CHECK(touches[0].time == doctest::Approx(0.0185));
   CHECK(touches[1].time == doctest::Approx(0.399));
@@ -245,7 +261,7 @@ TEST_CASE(
 }
 
 TEST_CASE("measures that do not apply are NaN and print as a dash") {
-  const Agreement none = measure_agreement(Recording{});
+  const Agreement none = measure_agreement(*digest_of(Recording{}));
   for (const double value : {none.onsets_at_touch, none.touches_heard, none.relief_correlation,
                              none.idle_energy, none.modal_energy, none.modal_contrast_db}) {
     CHECK(std::isnan(value));
@@ -257,10 +273,10 @@ TEST_CASE("measures that do not apply are NaN and print as a dash") {
 }
 
 TEST_CASE("a curve keeps its peaks however many samples fall into one unit") {
-  std::vector<double> values(100000, 0.0);
-  values[54321] = 1;
+  DrawnCurve curve(Axis({0, 100000}, {0, 100}), 0, 1);
+  for (int k = 0; k < 100000; ++k) curve.add(k == 54321);
   SvgPlot plot(100, 100, "plot", "t", "d");
-  plot.curve(Axis({0, 100000}, {0, 100}), Axis({0, 1}, {100, 0}), {0, 1, values}, "curve");
+  plot.curve(Axis({0, 1}, {100, 0}), curve, "curve");
   const std::string svg = plot.finish();
   CHECK(svg.find("54.3 0.0") != std::string::npos);
   CHECK(svg.size() < 4000);
@@ -273,7 +289,7 @@ TEST_CASE("the page stays small even for noise") {
   KeyFrame frame{0, Image8(1280, 720, 3)};
   for (std::uint8_t& value : frame.image.data) value = std::uint8_t(random.next());
   recording.key_frames.assign(12, frame);
-  CHECK(report_html(recording, {}).size() < 6'000'000);
+  CHECK(page_of(recording).size() < 6'000'000);
 }
 
 TEST_CASE("base64 follows RFC 4648") {

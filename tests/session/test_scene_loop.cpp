@@ -61,10 +61,9 @@ struct HeldDevice : haptics::Device {
 };
 
 Recording simulated(const Scene& scene, const SceneSurface& surface) {
-  auto simulation = Simulation::create(scene, surface, tests::cached_models());
-  REQUIRE_MESSAGE(simulation, (simulation ? "" : simulation.error().message()));
-  (*simulation)->finish();
-  return std::move((*simulation)->recording());
+  auto recording = play(scene, surface, tests::cached_models());
+  REQUIRE_MESSAGE(recording, (recording ? "" : recording.error().message()));
+  return std::move(*recording);
 }
 
 // Paused from the start, so that it takes exactly as many steps as are asked for.

@@ -21,9 +21,12 @@ Recording recording_of(const std::string& text) {
   REQUIRE(surface);
   auto simulation = Simulation::create(scene, *surface, tests::cached_models());
   REQUIRE(simulation);
+  Recording recording;
+  (*simulation)->add_observer(recording);
   (*simulation)->advance_to_frame(3);
   (*simulation)->finish();
-  return std::move((*simulation)->recording());
+  static_cast<Run&>(recording) = (*simulation)->run();
+  return recording;
 }
 
 double rms(const std::vector<float>& audio, double from, double to) {
@@ -86,8 +89,8 @@ TEST_CASE("a pen that sweeps into a ball pushes it, feels it, and no momentum is
       "duration = 2.5\n[surface]\nrepresentation = \"flat\"\n[[ball]]\nradius = 0.04\nmass = 0.05\nposition = [0.0, "
       "0.04, 0.0]\n[pen]\ndirection = [0, 1, 0]\npath = [[0, -0.06, 0.03, 0], [1, -0.06, 0.03, 0], [1.8, 0.0, "
       "0.03, 0], [2.5, 0.0, 0.03, 0]]\n");
-  REQUIRE(recording.balls.size() == 1);
-  CHECK(recording.balls[0].position.back().x() > 0.03);
+  REQUIRE(recording.tracks.size() == 1);
+  CHECK(recording.tracks[0].back().x() > 0.03);
   CHECK(std::any_of(recording.servo.begin(), recording.servo.end(),
                     [](const auto& s) { return s.touching_ball && s.force.x() < -0.02; }));
   CHECK(recording.momentum_residual < 1e-5);

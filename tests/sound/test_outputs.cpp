@@ -95,6 +95,28 @@ TEST_CASE("equal sounds are equal files, and PCM clips instead of wrapping") {
   CHECK(back[1] == doctest::Approx(-1));
 }
 
+TEST_CASE("a sound that is written in pieces is the file that is written at once") {
+  const tests::TemporaryFolder folder;
+  const std::vector<float> samples = wave();
+  for (const WavFormat format : {WavFormat::pcm_16, WavFormat::pcm_24, WavFormat::float_32}) {
+    REQUIRE(write_wav(folder.path / "whole.wav", samples, 44'100, {format}));
+    OutputFiles files;
+    const auto temporary = files.add(folder.path / "pieces.wav");
+    REQUIRE(temporary);
+    auto writer = WavWriter::create(*temporary, folder.path / "pieces.wav", 44'100, {format});
+    REQUIRE(writer);
+    std::span<const float> left = samples;
+    for (std::size_t size = 1; !left.empty(); size = 2 * size + 1) {
+      const std::size_t now = std::min(size, left.size());
+      writer->add(left.first(now));
+      left = left.subspan(now);
+    }
+    REQUIRE(writer->finish());
+    REQUIRE(files.commit());
+    CHECK(*read_file(folder.path / "pieces.wav") == *read_file(folder.path / "whole.wav"));
+  }
+}
+
 TEST_CASE("a failed write is an error that names the file and leaves nothing behind") {
   const tests::TemporaryFolder folder;
   const std::vector<float> samples = wave();

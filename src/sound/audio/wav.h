@@ -3,6 +3,8 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <span>
 
 #include "core/output_files.h"
@@ -17,6 +19,26 @@ struct WavOptions {
   int channels = 1;
 };
 
+// Writes samples as they are made, into a temporary of a set; an error names `path`. One thread at a time.
+class WavWriter {
+ public:
+  static Result<WavWriter> create(const std::filesystem::path& temporary, const std::filesystem::path& path,
+                                  int sample_rate, const WavOptions& options = {});
+  WavWriter(WavWriter&&) noexcept;
+  ~WavWriter();
+
+  // Whole frames. The first error is kept, and nothing is written after it.
+  void add(std::span<const float> samples);
+  const std::optional<Error>& error() const;
+  // Completes the header and closes the file. Returns the first error.
+  Result<void> finish();
+
+ private:
+  struct File;
+  explicit WavWriter(std::unique_ptr<File> file);
+  std::unique_ptr<File> file_;
+};
+
 // Writes all or nothing (core/output_files.h) and creates the folder. PCM clips samples outside -1..1. The
 // file depends only on the arguments, so equal sounds give equal files.
 Result<void> write_wav(const std::filesystem::path& path, std::span<const float> samples, int sample_rate,
@@ -27,7 +49,7 @@ Result<std::filesystem::path> add_wav(OutputFiles& files, const std::filesystem:
                                       std::span<const float> samples, int sample_rate,
                                       const WavOptions& options = {});
 
-// Writes to a temporary of a set. An error names `path`.
+// The same into a temporary of a set. An error names `path`.
 Result<void> fill_wav(const std::filesystem::path& temporary, const std::filesystem::path& path,
                       std::span<const float> samples, int sample_rate, const WavOptions& options = {});
 
