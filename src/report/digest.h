@@ -1,6 +1,6 @@
 // A session as its report keeps it: the data that are drawn and measured, taken from the stream as it comes.
 //
-// Memory does not depend on the duration: 10 MB, and 2 MB for each of up to three balls (less for each of
+// Memory does not depend on the duration: 8 MB, and 1.6 MB for each of up to three balls (less for each of
 // more). Curves, waveform and spectrogram keep the extremes of every drawn column, so they are exact. Paths
 // are exact up to 65,536 samples (fewer with many balls) and evenly spaced samples beyond; touches and onsets
 // are exact up to 65,536 and those of evenly spaced windows of time beyond (report/bounded.h). Kinds of data

@@ -210,7 +210,7 @@ Result<session::Run> Rendering::run() {
   FrameEncoder pictures({scene_, surface_}, *renderer_, *video_, job_.threads > 1, frames_);
   if (auto simulated = simulate(**results, pictures); !simulated) return tl::unexpected(simulated.error());
   digest.finish();
-  const auto mp4 = video_->finish(session::SoundFile{(*results)->wav()});
+  const auto mp4 = video_->finish((*results)->wav());
   if (!mp4) return tl::unexpected(mp4.error());
   run.key_frames = std::move(pictures.key_frames());
   run.costs.push_back(pictures.cost().summarise(
