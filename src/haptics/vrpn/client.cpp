@@ -134,7 +134,7 @@ LinkResult<std::unique_ptr<Client>> Client::connect(const Address& address, cons
     if (!call) return tl::unexpected(call.error());
     tcp = std::move(call->socket);
   }
-  std::unique_ptr<Client> client(new Client(address, std::move(tcp), *server));
+  auto client = std::make_unique<Client>(address, std::move(tcp), *server, steady_clock::now());
   const Deadline deadline{options};
   while (!client->connection_.is_established()) {
     client->step(poll_interval, nullptr);  // leaves the device's messages to the caller
@@ -148,16 +148,19 @@ LinkResult<std::unique_ptr<Client>> Client::connect(const Address& address, cons
   return client;
 }
 
-Client::Client(const Address& address, Socket tcp, const Ipv4& peer)
+Client::Client(const Address& address, Socket tcp, const Ipv4& peer, SteadyTime now)
     : address_(address),
       connection_(std::move(tcp), peer,
                   ConnectionOptions{.senders = {"VRPN Control", address.name}, .udp = !address.tcp_only},
-                  steady_clock::now()) {}
+                  now) {}
 
 void Client::step(std::chrono::nanoseconds patience, const Connection::Handler& handler) {
   if (patience.count() > 0)
     wait_for(connection_.tcp(), connection_.udp(), connection_.wants_to_write(), patience.count());
-  const SteadyTime now = steady_clock::now();
+  step_at(steady_clock::now(), handler);
+}
+
+void Client::step_at(SteadyTime now, const Connection::Handler& handler) {
   ping(now);
   if (!handler) return connection_.step(now, nullptr);
   connection_.step(now, [&](const Received& received) {

@@ -46,8 +46,13 @@ class Client {
   static LinkResult<std::unique_ptr<Client>> connect(const Address& address,
                                                      const ClientOptions& options = {});
 
+  // Over a socket that is connected to the server already.
+  Client(const Address& address, Socket tcp, const Ipv4& peer, SteadyTime now);
+
   // Waits up to `patience` for something to do, then does it. The handler gets the device's messages.
   void step(std::chrono::nanoseconds patience, const Connection::Handler& handler);
+  // Does what is due now, without waiting.
+  void step_at(SteadyTime now, const Connection::Handler& handler);
   void send(Type type, const Bytes& payload, Channel channel) {
     connection_.send(type, device_sender, payload, channel);
   }
@@ -58,7 +63,6 @@ class Client {
   std::chrono::nanoseconds ping_age() const;
 
  private:
-  Client(const Address& address, Socket tcp, const Ipv4& peer);
   void ping(SteadyTime now);
 
   Address address_;

@@ -25,6 +25,7 @@ Connection::Connection(Socket tcp, const Ipv4& peer, ConnectionOptions options, 
       peer_(peer),
       options_(std::move(options)),
       scratch_(read_size),
+      alive_at_(now),
       waiting_since_(now) {
   const auto cookie = our_cookie();
   out_.assign(cookie.begin(), cookie.end());
@@ -34,22 +35,24 @@ void Connection::step(SteadyTime now, const Handler& handler) {
   if (fault_ != LinkFault::none) return;
   handle_messages(now, handler);
   read_tcp(now, handler);
-  if (udp_in_ && handler) read_udp(handler);
+  if (udp_in_ && handler) read_udp(now, handler);
   if (bad_frames() >= bad_frame_limit) drop(LinkFault::bad_frames);
   check_patience(now);
   if (fault_ != LinkFault::none) return;
   write_datagram();
-  write_tcp();
+  write_tcp(now);
 }
 
 void Connection::read_tcp(SteadyTime now, const Handler& handler) {
   for (int k = 0; k < reads_per_step && fault_ == LinkFault::none && bad_frames() < bad_frame_limit; ++k) {
+    // Fuzzed by fuzz/vrpn_session.cpp through Server
     const ssize_t size = ::recv(tcp_.fd(), scratch_.data(), scratch_.size(), 0);
     if (size == 0) return drop(LinkFault::closed);
     if (size < 0) {
       if (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR) drop(LinkFault::closed);
       return;
     }
+    alive_at_ = now;
     if (established_ && framer_.waiting() == 0) waiting_since_ = now;
     framer_.feed(ByteView(scratch_).first(std::size_t(size)));
     if (!established_ && !check_cookie()) continue;
@@ -160,12 +163,13 @@ bool Connection::handle_system(const Message& message) {
   }
 }
 
-void Connection::read_udp(const Handler& handler) {
+void Connection::read_udp(SteadyTime now, const Handler& handler) {
   for (int k = 0; k < 8 * reads_per_step; ++k) {
     const auto datagram = receive(udp_in_, scratch_);
     if (!datagram) return;
     if (datagram->from.host != peer_.host) continue;
     ++datagrams_received_;
+    alive_at_ = now;
     ByteView rest = datagram->bytes;
     while (!rest.empty()) {
       const ParsedMessage parsed = parse_message(rest);
@@ -186,7 +190,7 @@ void Connection::write_datagram() {
   datagram_.clear();
 }
 
-void Connection::write_tcp() {
+void Connection::write_tcp(SteadyTime now) {
   while (sent_ < out_.size()) {
     const ssize_t size = ::send(tcp_.fd(), out_.data() + sent_, out_.size() - sent_, MSG_NOSIGNAL);
     if (size < 0) {
@@ -194,7 +198,10 @@ void Connection::write_tcp() {
       break;
     }
     sent_ += std::size_t(size);
+    alive_at_ = now;
   }
+  if (sent_ == out_.size()) alive_at_ = now;
+  if (now - alive_at_ > options_.idle_patience) drop(LinkFault::idle);
   if (sent_ == out_.size() || sent_ > report_backlog) {
     out_.erase(out_.begin(), out_.begin() + std::ptrdiff_t(sent_));
     sent_ = 0;

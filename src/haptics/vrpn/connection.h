@@ -2,9 +2,9 @@
 // a peer must keep.
 //
 // A peer is dropped after three malformed frames, for a cookie that is not VRPN's, for a cookie or a message
-// that takes too long, and when it does not read its socket. Low-latency messages go by UDP once the peer has
-// named its port, and only to the address at the other end of the TCP link. step() never blocks; one thread.
-// The handler's argument is valid during the call only.
+// that takes too long, when it does not read its socket, and when it neither sends nor reads for long.
+// Low-latency messages go by UDP once the peer has named its port, and only to the address at the other end
+// of the TCP link. step() never blocks; one thread. The handler's argument is valid during the call only.
 #pragma once
 
 #include <chrono>
@@ -31,6 +31,7 @@ struct ConnectionOptions {
   bool udp = false;                  // also listen for UDP, and tell the peer
   std::chrono::milliseconds cookie_patience{3000};
   std::chrono::milliseconds message_patience{5000};  // for the rest of a message that has begun
+  std::chrono::milliseconds idle_patience{30000};    // for a byte sent or read, while some wait to be read
 };
 
 inline constexpr int bad_frame_limit = 3;
@@ -55,6 +56,8 @@ class Connection {
   const Cookie& peer_cookie() const { return peer_cookie_; }
   const PeerNames& peer_names() const { return names_; }
   const Ipv4& peer() const { return peer_; }
+  // The last time that the peer sent something, or that it had room for all that we sent.
+  SteadyTime alive_at() const { return alive_at_; }
   int bad_frames() const { return bad_frames_ + framer_.bad_frames(); }
   bool sends_udp() const { return bool(udp_out_); }
   std::int64_t datagrams_received() const { return datagrams_received_; }
@@ -65,13 +68,13 @@ class Connection {
  private:
   void read_tcp(SteadyTime now, const Handler& handler);
   void handle_messages(SteadyTime now, const Handler& handler);
-  void read_udp(const Handler& handler);
+  void read_udp(SteadyTime now, const Handler& handler);
   bool check_cookie();
   void append(Bytes& out, Message message);
   void describe_ourselves();
   void handle(const Message& message, const Handler& handler, bool datagram);
   bool handle_system(const Message& message);
-  void write_tcp();
+  void write_tcp(SteadyTime now);
   void write_datagram();
   void check_patience(SteadyTime now);
   void drop(LinkFault fault);
@@ -85,6 +88,7 @@ class Connection {
   std::size_t sent_ = 0;  // of out_
   Cookie peer_cookie_;
   bool established_ = false;
+  SteadyTime alive_at_;
   SteadyTime waiting_since_;  // for the cookie, or for the rest of a message
   std::int32_t sequence_ = 0;
   int bad_frames_ = 0;  // with invalid contents; the framer counts invalid lengths

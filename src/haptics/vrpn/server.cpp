@@ -2,63 +2,13 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <thread>
 
-#include "core/portable_math.h"
 #include "haptics/vrpn/client.h"
 #include "haptics/vrpn/message.h"
 #include "haptics/vrpn/payloads.h"
 
 namespace intaglio::haptics::vrpn {
-
-namespace {
-
-constexpr double lap_time = 4;               // s
-constexpr double path_duration = 12 * 3600;  // s
-constexpr double velocity_cutoff = 60;       // Hz
-
-// A circle of 3 cm, from 2 cm above the middle of the workspace to 1 cm below.
-std::vector<Waypoint> circular_path() {
-  std::vector<Waypoint> path;
-  for (int k = 0; k * lap_time / 8 <= path_duration; ++k) {
-    const double angle = k * std::numbers::pi / 4;
-    path.push_back({k * lap_time / 8,
-                    {0.03 * elementary::cos(angle), 0.005 + 0.015 * elementary::cos(angle),
-                     0.03 * elementary::sin(angle)}});
-  }
-  return path;
-}
-
-}  // namespace
-
-ServedPhantom::ServedPhantom(const PhantomOptions& options)
-    : options_(options),
-      device_(options.model, options.hand, options.path.empty() ? circular_path() : options.path),
-      guard_(options.limits),
-      requested_(options.units) {
-  state_.position = device_.read();
-}
-
-void ServedPhantom::tick(double dt, SteadyTime now) {
-  if (requested_.is_active() && std::chrono::duration<double>(now - requested_at_).count() > options_.silence)
-    release();
-  const Vec3 position = device_.read();
-  const double keep = elementary::exp(-2 * std::numbers::pi * velocity_cutoff * dt);
-  state_.velocity = keep * state_.velocity + (1 - keep) * (position - state_.position) / dt;
-  state_.position = position;
-  state_.contact = requested_.contact(position);
-  const Vec3 wanted = requested_.newtons(position, state_.velocity);
-  state_.over_limit = wanted.norm() > options_.limits.peak_force;
-  const GuardedForce guarded = guard_.pass(wanted, dt);
-  state_.force = guarded.newtons();
-  device_.write(guarded);
-  device_.advance(dt);
-  // The hand presses the first button in the third quarter of each lap.
-  state_.buttons[0] = std::fmod(device_.time(), lap_time) >= lap_time / 2 &&
-                      std::fmod(device_.time(), lap_time) < 0.75 * lap_time;
-}
 
 using std::chrono::nanoseconds;
 using std::chrono::steady_clock;
@@ -68,7 +18,7 @@ namespace {
 constexpr std::chrono::milliseconds tick_period{1};
 // Beyond this delay the simulation loses time instead of its deadlines.
 constexpr int max_ticks_per_step = 20;
-constexpr std::chrono::seconds dial_patience{3};
+constexpr std::chrono::seconds served_while{5};                // since it was last alive
 constexpr double fastest_reports = 1000, slowest_reports = 1;  // Hz
 
 nanoseconds period_of(double rate) {
@@ -98,6 +48,9 @@ Server::Server(const ServerOptions& options, Socket tcp, Socket udp, SteadyTime 
       udp_(std::move(udp)),
       port_(local_address(tcp_).port),
       phantom_(options.phantom),
+      log_(options.log),
+      door_(options.log),
+      callers_(options.cookie_patience),
       next_tick_(now) {}
 
 void Server::run(const std::atomic<bool>& stopped) {
@@ -110,30 +63,36 @@ void Server::run(const std::atomic<bool>& stopped) {
 void Server::step(SteadyTime now) {
   accept_calls(now);
   read_dial_requests(now);
-  finish_dials(now);
+  callers_.step(
+      now, [&](Caller caller) { admit(std::move(caller), now); }, say_lost(now));
   for (int k = 0; k < max_ticks_per_step && next_tick_ <= now; ++k) tick(next_tick_);
   if (next_tick_ <= now) next_tick_ = now + tick_period;
   for (Peer& peer : peers_) service(peer, now);
-  remove_dead_peers();
+  remove_dead_peers(now);
+  log_.step(now);
+  door_.step(now);
 }
 
 void Server::accept_calls(SteadyTime now) {
-  while (auto call = accept_tcp(tcp_)) add_peer(std::move(call->socket), call->peer, false, now);
+  for (std::size_t k = 0; k < Callers::limit; ++k) {
+    auto accepted = accept_tcp(tcp_);
+    if (!accepted) return;
+    take(std::move(*accepted), now);
+  }
 }
 
-void Server::add_peer(Socket socket, const Ipv4& peer, bool udp, SteadyTime now) {
-  if (full()) {
-    // At most one line per second.
-    if (now - last_rejected_ > std::chrono::seconds(1))
-      options_.log(fmt::format("{}: rejected: limit of {} clients", peer.text(), options_.max_clients));
-    last_rejected_ = now;
-    return;
-  }
-  peers_.push_back(
-      {Connection(std::move(socket), peer,
-                  {{"VRPN Control", options_.name}, udp, options_.cookie_patience, options_.message_patience},
-                  now),
-       peer.text(), now, period_of(options_.report_rate)});
+void Server::take(Accepted accepted, SteadyTime now) {
+  call({std::move(accepted.socket), accepted.peer, false, now}, now);
+}
+
+void Server::call(Caller caller, SteadyTime now) {
+  callers_.add(std::move(caller), say_lost(now));
+}
+
+Callers::Lost Server::say_lost(SteadyTime now) {
+  return [this, now](const Caller& lost, LinkFault why) {
+    door_.line(now, fmt::format("{}: {}", lost.peer.text(), describe(why)));
+  };
 }
 
 void Server::read_dial_requests(SteadyTime now) {
@@ -151,30 +110,49 @@ void Server::read_dial_requests(SteadyTime now) {
 }
 
 void Server::dial(const Ipv4& to, SteadyTime now) {
-  const auto same = [&](const Ipv4& other) { return other.host == to.host && other.port == to.port; };
   // Clients repeat their request every second until we connect.
-  for (const Dial& dialling : dials_)
-    if (same(dialling.peer)) return;
+  if (callers_.contains(to)) return;
   for (const Peer& peer : peers_)
-    if (same(peer.connection.peer())) return;
-  if (full()) return add_peer({}, to, true, now);
-  const std::uint32_t ours = local_address(udp_).host;
-  if (auto socket = dial_tcp(to, ours)) dials_.push_back({std::move(*socket), to, now});
+    if (peer.connection.peer() == to) return;
+  if (auto socket = dial_tcp(to, local_address(udp_).host)) call({std::move(*socket), to, true, now}, now);
 }
 
-void Server::finish_dials(SteadyTime now) {
-  for (auto dialling = dials_.begin(); dialling != dials_.end();) {
-    const bool connected = is_connected(dialling->socket);
-    const bool over =
-        pending_fault(dialling->socket) != LinkFault::none || now - dialling->since > dial_patience;
-    if (!connected && !over) {
-      ++dialling;
-      continue;
-    }
-    Dial done = std::move(*dialling);
-    dialling = dials_.erase(dialling);
-    if (connected) add_peer(std::move(done.socket), done.peer, true, now);
+void Server::admit(Caller caller, SteadyTime now) {
+  if (!make_room(caller.peer, now)) return;
+  peers_.push_back({Connection(std::move(caller.socket), caller.peer,
+                               {.senders = {"VRPN Control", options_.name},
+                                .udp = caller.udp,
+                                .cookie_patience = options_.cookie_patience,
+                                .message_patience = options_.message_patience,
+                                .idle_patience = options_.idle_patience},
+                               now),
+                    caller.peer.text(), now, period_of(options_.report_rate)});
+}
+
+// Without room, the client goes that has been idle for longest, or else is the oldest, of those not served.
+bool Server::make_room(const Ipv4& newcomer, SteadyTime now) {
+  const auto is_neighbour = [&](const Peer& peer) { return peer.connection.peer().host == newcomer.host; };
+  const auto neighbours = std::size_t(std::count_if(peers_.begin(), peers_.end(), is_neighbour));
+  const bool is_host_full = neighbours >= options_.max_clients_per_host;
+  if (!is_host_full && peers_.size() < options_.max_clients) return true;
+  auto idlest = peers_.end();
+  for (auto peer = peers_.begin(); peer != peers_.end(); ++peer) {
+    if (is_served(*peer, now) || (is_host_full && !is_neighbour(*peer))) continue;
+    if (idlest == peers_.end() || peer->connection.alive_at() < idlest->connection.alive_at()) idlest = peer;
   }
+  if (idlest != peers_.end()) {
+    remove(idlest, LinkFault::crowded, now);
+    return true;
+  }
+  door_.line(now, fmt::format("{}: rejected: limit of {} clients{}", newcomer.text(),
+                              is_host_full ? options_.max_clients_per_host : options_.max_clients,
+                              is_host_full ? " from one address" : ""));
+  return false;
+}
+
+bool Server::is_served(const Peer& peer, SteadyTime now) const {
+  const bool has_introduced_itself = !peer.connection.peer_names().senders().empty();
+  return &peer == holder_ || (has_introduced_itself && now - peer.connection.alive_at() < served_while);
 }
 
 void Server::tick(SteadyTime now) {
@@ -217,10 +195,11 @@ void Server::service(Peer& peer, SteadyTime now) {
     peer.welcomed = true;
     peer.next_report = now;
     send_buttons(peer);
-    options_.log(fmt::format("{}: connected", peer.name));
-    if (peer.connection.peer_cookie().match == CookieMatch::other_minor_version)
-      options_.log(
-          fmt::format("{}: warning: speaks version {}", peer.name, peer.connection.peer_cookie().version));
+    log_.line(now, fmt::format("{}: connected{}", peer.name,
+                               peer.connection.peer_cookie().match == CookieMatch::other_minor_version
+                                   ? fmt::format("; warning: it speaks version {}",
+                                                 peer.connection.peer_cookie().version)
+                                   : ""));
   }
 }
 
@@ -289,20 +268,20 @@ bool Server::request(Peer& peer, const std::optional<Request>& requested, Steady
   return true;
 }
 
-void Server::remove_dead_peers() {
+void Server::remove(std::list<Peer>::iterator peer, LinkFault why, SteadyTime now) {
+  if (why == LinkFault::bad_frames) ++dropped_for_bad_frames_;
+  log_.line(now, fmt::format("{}: {}", peer->name, describe(why)));
+  if (holder_ == &*peer) {
+    holder_ = nullptr;
+    phantom_.release();
+  }
+  peers_.erase(peer);
+}
+
+void Server::remove_dead_peers(SteadyTime now) {
   for (auto peer = peers_.begin(); peer != peers_.end();) {
-    const LinkFault fault = peer->connection.fault();
-    if (fault == LinkFault::none) {
-      ++peer;
-      continue;
-    }
-    if (fault == LinkFault::bad_frames) ++dropped_for_bad_frames_;
-    options_.log(fmt::format("{}: {}", peer->name, describe(fault)));
-    if (holder_ == &*peer) {
-      holder_ = nullptr;
-      phantom_.release();
-    }
-    peer = peers_.erase(peer);
+    const auto dead = peer++;
+    if (dead->connection.fault() != LinkFault::none) remove(dead, dead->connection.fault(), now);
   }
 }
 

@@ -5,79 +5,34 @@
 #include <list>
 #include <memory>
 
-#include "haptics/device.h"
+#include "haptics/vrpn/callers.h"
 #include "haptics/vrpn/connection.h"
-#include "haptics/vrpn/force.h"
+#include "haptics/vrpn/paced_log.h"
+#include "haptics/vrpn/served_phantom.h"
 
 namespace intaglio::haptics::vrpn {
-
-struct PhantomOptions {
-  DeviceModel model;
-  Hand hand;
-  GuardLimits limits;
-  PlaneUnits units;
-  std::vector<Waypoint> path;  // empty: a circle, for twelve hours
-  double silence = 0.040;      // s, after which a request expires
-};
-
-struct PhantomState {
-  Vec3 position = Vec3::Zero();  // m, as the encoders report it
-  Vec3 velocity = Vec3::Zero();  // m/s, filtered
-  Vec3 force = Vec3::Zero();     // N, on the hand
-  bool over_limit = false;       // more than the peak force is requested
-  std::optional<Vec3> contact;   // on the plane touched
-  std::array<std::int32_t, 2> buttons = {};
-};
-
-// The PHANToM of `intaglio devices serve`: a simulated device in a simulated hand that moves on an inclined
-// circle, two buttons, and the force requested by a client, through a guard.
-//
-// Requests must be renewed: the force drops to zero `silence` seconds after the last one, and the next one
-// ramps in anew. tick() does not allocate. One thread.
-class ServedPhantom {
- public:
-  explicit ServedPhantom(const PhantomOptions& options);
-
-  // `requested` is a ForceReport, PlaneMessage or ForceField.
-  template <class Request>
-  void request(const Request& requested, SteadyTime now) {
-    if (!requested_.is_active()) guard_.rearm();
-    requested_.set(requested);
-    requested_at_ = now;
-  }
-  void release() { requested_.clear(); }
-  bool is_held() const { return requested_.is_active(); }
-
-  // Advances by `dt` seconds.
-  void tick(double dt, SteadyTime now);
-  const PhantomState& state() const { return state_; }
-
- private:
-  PhantomOptions options_;
-  SimulatedDevice device_;
-  Guard guard_;
-  RequestedForce requested_;
-  SteadyTime requested_at_;
-  PhantomState state_;
-};
 
 struct ServerOptions {
   std::string name = "Phantom0";
   std::string bind = "127.0.0.1";  // address to listen on
   int port = default_port;         // 0: any free one
   double report_rate = 1000;       // Hz, until a client sets another
-  std::size_t max_clients = 16;
+  std::size_t max_clients = 24, max_clients_per_host = 16;
   PhantomOptions phantom;
-  std::chrono::milliseconds cookie_patience{3000}, message_patience{5000};
-  std::function<void(const std::string&)> log = [](const std::string&) {};  // one line each
+  std::chrono::milliseconds cookie_patience{3000}, message_patience{5000}, idle_patience{30000};
+  std::function<void(const std::string&)> log = [](const std::string&) {};  // one line each; see PacedLog
 };
 
 // Shows a ServedPhantom as one sender that is tracker, buttons and force device.
 //
 // Accepts TCP connections and connects back on UDP request, on one port; reports to each client at its own
 // rate; one client at a time controls the force. step() never blocks and is called about once a millisecond,
-// by run() or by its owner; one thread. Beyond `max_clients`, connections are rejected, and the log says so.
-// Listens on this machine only by default: VRPN has no authentication.
+// by run() or by its owner; one thread. Listens on this machine only by default: VRPN has no authentication.
+//
+// Nobody is shut out by silence. A connection becomes a client when it greets (callers.h); no host can be all
+// clients. A client is served as long as it has introduced itself and sends, or reads what it is sent; it is
+// never cut then. In a full house a newcomer takes the place of a client that is not served, if there is one,
+// else it is rejected; a client that neither sends nor reads for `idle_patience` is dropped anyway.
 class Server {
  public:
   static LinkResult<std::unique_ptr<Server>> open(const ServerOptions& options);
@@ -86,6 +41,9 @@ class Server {
   void step(SteadyTime now);
   // Steps every millisecond until `stopped` is set.
   void run(const std::atomic<bool>& stopped);
+
+  // Takes a connection that has been accepted; step() does so for those to its port.
+  void take(Accepted call, SteadyTime now);
 
   int port() const { return port_; }
   const PhantomState& phantom() const { return phantom_.state(); }
@@ -101,19 +59,15 @@ class Server {
     std::chrono::nanoseconds report_period;
     bool welcomed = false, was_told_busy = false;
   };
-  struct Dial {
-    Socket socket;
-    Ipv4 peer;
-    SteadyTime since;
-  };
-
   Server(const ServerOptions& options, Socket tcp, Socket udp, SteadyTime now);
-  void add_peer(Socket socket, const Ipv4& peer, bool udp, SteadyTime now);
-  bool full() const { return peers_.size() + dials_.size() >= options_.max_clients; }
   void accept_calls(SteadyTime now);
   void read_dial_requests(SteadyTime now);
   void dial(const Ipv4& to, SteadyTime now);
-  void finish_dials(SteadyTime now);
+  void call(Caller caller, SteadyTime now);
+  Callers::Lost say_lost(SteadyTime now);
+  void admit(Caller caller, SteadyTime now);
+  bool make_room(const Ipv4& newcomer, SteadyTime now);
+  bool is_served(const Peer& peer, SteadyTime now) const;
   void tick(SteadyTime now);
   void broadcast_buttons();
   void report_over_limit();
@@ -123,17 +77,19 @@ class Server {
   bool handle(Peer& peer, const Received& received, SteadyTime now);
   template <class Request>
   bool request(Peer& peer, const std::optional<Request>& requested, SteadyTime now);
-  void remove_dead_peers();
+  void remove(std::list<Peer>::iterator peer, LinkFault why, SteadyTime now);
+  void remove_dead_peers(SteadyTime now);
 
   ServerOptions options_;
   Socket tcp_, udp_;
   int port_ = 0;
   ServedPhantom phantom_;
+  PacedLog log_, door_;  // of clients; of those who did not become one
+  Callers callers_;
   std::list<Peer> peers_;
-  std::list<Dial> dials_;
   Peer* holder_ = nullptr;   // the client that controls the force
   bool over_limit_ = false;  // as reported to it
-  SteadyTime next_tick_, last_rejected_;
+  SteadyTime next_tick_;
   std::array<std::int32_t, 2> buttons_ = {};
   std::int64_t dropped_for_bad_frames_ = 0, force_messages_ = 0;
 };

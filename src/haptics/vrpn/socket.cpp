@@ -40,6 +40,10 @@ std::string_view describe(LinkFault fault) {
       return "dropped: a message took too long to arrive";
     case LinkFault::not_reading:
       return "dropped: the peer does not read its socket";
+    case LinkFault::idle:
+      return "dropped: it neither sent nor read anything for long";
+    case LinkFault::crowded:
+      return "dropped: it was silent, and others wanted its place";
     case LinkFault::port_taken:
       return "the port is taken";
     case LinkFault::stopped:
@@ -107,9 +111,17 @@ bool connect_to(const Socket& socket, const Ipv4& to) {
          errno == EINPROGRESS;
 }
 
-void set(const Socket& socket, int level, int option) {
-  const int on = 1;
-  ::setsockopt(socket.fd(), level, option, &on, sizeof on);
+void set(const Socket& socket, int level, int option, int value = 1) {
+  ::setsockopt(socket.fd(), level, option, &value, sizeof value);
+}
+
+void tune_tcp(const Socket& socket) {
+  set(socket, IPPROTO_TCP, TCP_NODELAY);
+  set(socket, SOL_SOCKET, SO_SNDBUF, 1 << 16);
+  set(socket, SOL_SOCKET, SO_KEEPALIVE);
+  set(socket, IPPROTO_TCP, TCP_KEEPIDLE, 10);             // s
+  set(socket, IPPROTO_TCP, TCP_KEEPINTVL, 5);             // s
+  set(socket, IPPROTO_TCP, TCP_USER_TIMEOUT, 30 * 1000);  // ms
 }
 
 }  // namespace
@@ -199,7 +211,7 @@ LinkResult<Socket> connect_udp(const Ipv4& to) {
 
 LinkResult<Socket> dial_tcp(const Ipv4& to, std::uint32_t from_host) {
   Socket socket = open_socket(SOCK_STREAM);
-  set(socket, IPPROTO_TCP, TCP_NODELAY);
+  tune_tcp(socket);
   if (!socket || (from_host != 0 && !bind_to(socket, {from_host, 0})) || !connect_to(socket, to))
     return failed(to);
   return socket;
@@ -224,7 +236,7 @@ std::optional<Accepted> accept_tcp(const Socket& listener) {
   Socket socket(
       ::accept4(listener.fd(), reinterpret_cast<sockaddr*>(&address), &size, SOCK_NONBLOCK | SOCK_CLOEXEC));
   if (!socket) return std::nullopt;
-  set(socket, IPPROTO_TCP, TCP_NODELAY);
+  tune_tcp(socket);
   return Accepted{std::move(socket), ipv4_of(address)};
 }
 
@@ -242,6 +254,7 @@ LinkFault send_datagram(const Socket& udp, ByteView bytes) {
 std::optional<Datagram> receive(const Socket& udp, std::span<std::uint8_t> buffer) {
   sockaddr_in from{};
   socklen_t from_size = sizeof from;
+  // Fuzzed by fuzz/vrpn_session.cpp through be_served
   const ssize_t size =
       ::recvfrom(udp.fd(), buffer.data(), buffer.size(), 0, reinterpret_cast<sockaddr*>(&from), &from_size);
   if (size < 0) return std::nullopt;

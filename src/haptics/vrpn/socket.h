@@ -24,6 +24,8 @@ enum class LinkFault {
   bad_frames,   // three malformed frames
   too_slow,     // a message or a cookie took too long to arrive
   not_reading,  // the peer does not read its socket
+  idle,         // it has neither sent nor read anything for long
+  crowded,      // it said nothing while others wanted its place
   port_taken,   // another program serves that port
   stopped,      // by our caller
 };
@@ -73,6 +75,7 @@ struct Ipv4 {
   std::string text() const;       // "127.0.0.1:3883"
   // Reachable from this machine only.
   bool loopback() const { return host >> 24 == 127; }
+  bool operator==(const Ipv4&) const = default;
 };
 
 // A number only; never blocks.
@@ -94,6 +97,8 @@ using Resolver = std::function<LinkResult<Ipv4>(const std::string& host, int por
 LinkResult<Ipv4> resolve_unless(const std::atomic<bool>* stopped, const std::string& host, int port,
                                 const Resolver& resolver = resolve);
 
+// TCP sockets hold little unsent data, so that a peer that does not read is noticed, and end by themselves
+// half a minute after their peer has vanished without a word.
 LinkResult<Socket> listen_tcp(const Ipv4& at);
 LinkResult<Socket> bind_udp(const Ipv4& at);
 // Sends to and receives from `to` only.
