@@ -7,44 +7,21 @@
 //   result:  "intaglio-tetrahedra 1", number of points and tetrahedra, then all of them; indices from 0
 #include <unistd.h>
 
-#include <array>
-#include <cstddef>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <fstream>
-#include <string>
-#include <vector>
+#include <optional>
+
+#include "netgen/request.h"
 
 namespace nglib {
 #include <nglib.h>
 }
 
+using namespace intaglio;
+
 namespace {
-
-struct Request {
-  double size = 0;
-  std::vector<std::array<double, 3>> points;
-  std::vector<std::array<std::size_t, 3>> triangles;
-};
-
-bool read(const char* path, Request& request) {
-  std::ifstream in(path);
-  std::string word;
-  int version = 0;
-  std::size_t points = 0, triangles = 0;
-  if (!(in >> word >> version >> request.size >> points >> triangles) || word != "intaglio-netgen" ||
-      version != 1)
-    return false;
-  request.points.resize(points);
-  for (auto& [x, y, z] : request.points) in >> x >> y >> z;
-  request.triangles.resize(triangles);
-  for (auto& [a, b, c] : request.triangles) {
-    in >> a >> b >> c;
-    if (!in || a >= points || b >= points || c >= points) return false;
-  }
-  return bool(in);
-}
 
 bool write(const char* path, nglib::Ng_Mesh* mesh) {
   std::FILE* out = std::fopen(path, "w");
@@ -65,7 +42,7 @@ bool write(const char* path, nglib::Ng_Mesh* mesh) {
 }
 
 // Netgen frees nothing that it is given; the process's end does.
-int fill(Request& request, const char* result) {
+int fill(netgen::Request& request, const char* result) {
   using namespace nglib;
   Ng_Init();
   Ng_STL_Geometry* geometry = Ng_STL_NewGeometry();
@@ -90,11 +67,13 @@ int fill(Request& request, const char* result) {
 }  // namespace
 
 int main(int count, char** arguments) {
-  Request request;
-  if (count != 3 || !read(arguments[1], request)) _exit(2);
+  if (count != 3) _exit(2);
+  std::ifstream file(arguments[1]);
+  std::optional<netgen::Request> request = netgen::read_request(file);
+  if (!request) _exit(2);
   int code = 4;
   try {
-    code = fill(request, arguments[2]);
+    code = fill(*request, arguments[2]);
   } catch (...) {
   }
   _exit(code);  // skips Netgen's global destructors

@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "core/file.h"
+#include "core/process.h"
 #include "sound/bake/fem/mesher.h"
 #include "sound/bake/fem/modes.h"
 #include "sound/bake/fem/tet_mesh.h"
@@ -95,6 +96,22 @@ TEST_CASE(
     REQUIRE_FALSE(instead->notes.empty());
     CHECK(instead->notes.back().find("Netgen failed") != std::string::npos);
     CHECK(volume(instead->mesh) == doctest::Approx(body.volume).epsilon(0.05));
+  }
+}
+
+TEST_CASE("intaglio-netgen refuses a request that declares more than it has") {
+  if (find_netgen().empty()) {
+    tests::skipped("no intaglio-netgen here (script/setup netgen, then build)");
+    return;
+  }
+  const tests::TemporaryFolder folder;
+  for (const std::string counts : {"999999999999999999 1", "-1 1", "3 999999999999999999", "3 1"}) {
+    CAPTURE(counts);
+    REQUIRE(
+        write_file(folder.path / "request", "intaglio-netgen 1\n0.1 " + counts + "\n0 0 0 1 0 0 0 1 0\n"));
+    const auto run = run_limited(find_netgen(), {"request", "result"}, folder.path, {5, 1000});
+    REQUIRE_FALSE(run);
+    CHECK(run.error().message().find("ended with code 2") != std::string::npos);
   }
 }
 

@@ -6,16 +6,15 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
-#include <map>
 
 #include "core/file.h"
 #include "core/process.h"
 #include "sound/bake/fem/fill_surface.h"
 #include "sound/bake/fem/lattice.h"
+#include "sound/bake/fem/netgen_files.h"
 #include "sound/bake/fem/sharp_edges.h"
 
 namespace intaglio::sound {
@@ -24,9 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double volume_tolerance = 0.05;      // of the body's
 constexpr double netgen_edge_per_cell = 0.65;  // gives as many elements as the lattice
-constexpr double min_tet_volume = 1e-9;        // over the longest edge cubed
 
 // A file without a name, which a child process opens by a path. However this process ends, nothing is left.
 class NamelessFile {
@@ -53,81 +50,6 @@ class NamelessFile {
  private:
   int descriptor_;
 };
-
-std::string make_request(const BodySurface& body, double size) {
-  std::string text =
-      fmt::format("intaglio-netgen 1\n{} {} {}\n", size, body.points.size(), body.triangles.size());
-  for (const Vec3& p : body.points) text += fmt::format("{} {} {}\n", p.x(), p.y(), p.z());
-  for (const auto& [a, b, c] : body.triangles) text += fmt::format("{} {} {}\n", a, b, c);
-  return text;
-}
-
-// Parser of whitespace-separated numbers with a sticky error flag.
-class Numbers {
- public:
-  explicit Numbers(std::string_view text) : text_(text) {}
-  template <class T>
-  T next() {
-    text_.remove_prefix(std::min(text_.find_first_not_of(" \n"), text_.size()));
-    T value{};
-    const auto [end, error] = std::from_chars(text_.data(), text_.data() + text_.size(), value);
-    is_broken_ |= error != std::errc{};
-    text_.remove_prefix(std::size_t(end - text_.data()));
-    return value;
-  }
-  bool is_broken() const { return is_broken_; }
-
- private:
-  std::string_view text_;
-  bool is_broken_ = false;
-};
-
-Result<CornerMesh> parse(std::string_view text, const std::string& program) {
-  constexpr std::string_view head = "intaglio-tetrahedra 1\n";
-  const auto broken = [&] { return fail(program, "returned an unreadable mesh"); };
-  if (!text.starts_with(head)) return broken();
-  Numbers numbers(text.substr(head.size()));
-  const auto points = numbers.next<long>(), tets = numbers.next<long>();
-  // A point takes six characters at least, a tetrahedron eight.
-  if (numbers.is_broken() || points < 4 || tets < 1 || points > long(text.size()) || tets > long(text.size()))
-    return broken();
-  CornerMesh mesh;
-  for (long k = 0; k < points; ++k) {
-    Vec3 p;
-    for (int axis = 0; axis < 3; ++axis) p[axis] = numbers.next<double>();
-    if (numbers.is_broken() || !p.allFinite()) return broken();
-    mesh.points.push_back(p);
-  }
-  for (long k = 0; k < tets; ++k) {
-    std::array<int, 4> tet{};
-    for (int& corner : tet) {
-      corner = numbers.next<int>();
-      if (numbers.is_broken() || corner < 0 || corner >= points) return broken();
-    }
-    mesh.tets.push_back(tet);
-  }
-  return mesh;
-}
-
-// Every tetrahedron has volume, all together the body's, and no face belongs to three.
-bool is_valid(const CornerMesh& mesh, const BodySurface& body) {
-  double sum = 0;
-  std::map<std::array<int, 3>, int> uses;
-  for (const auto& t : mesh.tets) {
-    const auto at = [&](std::size_t k) -> const Vec3& { return mesh.points[std::size_t(t[k])]; };
-    const double v = std::abs(signed_volume(mesh.points, t));
-    double longest = 0;
-    for (std::size_t a = 0; a < 4; ++a) {
-      for (std::size_t b = 0; b < a; ++b) longest = std::max(longest, (at(a) - at(b)).norm());
-      std::array<int, 3> face{t[(a + 1) % 4], t[(a + 2) % 4], t[(a + 3) % 4]};
-      std::sort(face.begin(), face.end());
-      if (++uses[face] > 2) return false;
-    }
-    if (!(v > min_tet_volume * longest * longest * longest)) return false;
-    sum += v;
-  }
-  return std::abs(sum / body.volume - 1) < volume_tolerance;
-}
 
 constexpr double aligned_cosine = 0.985;       // 10 degrees
 constexpr double min_skew_length = 0.05;       // of all such edges, over the bounding box's diagonal
@@ -160,7 +82,7 @@ Result<FilledSurface> netgen_fill(const BodySurface& body, const FillOptions& op
   const double thickness = 2 * body.volume / body.area;
   const double smallest = std::cbrt(body.volume * 6 / options.max_elements);
   const double size = std::max(netgen_edge_per_cell * std::min(options.element_size, thickness), smallest);
-  if (!request.write(make_request(body, size)) || !result.write(""))
+  if (!request.write(netgen_request(body, size)) || !result.write(""))
     return fail(name, std::string("no file for Netgen: ") + std::strerror(errno));
   const auto in_context = [&](const Error& error) {
     return fail(name, error.message(), "use --mesher lattice, which fills any surface");
@@ -171,10 +93,10 @@ Result<FilledSurface> netgen_fill(const BodySurface& body, const FillOptions& op
     return in_context(run.error());
   const auto bytes = read_file(result.path());
   if (!bytes || bytes->empty()) return in_context({program.filename().string(), "returned nothing", ""});
-  auto corners =
-      parse({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, program.filename().string());
+  auto corners = parse_netgen_result({reinterpret_cast<const char*>(bytes->data()), bytes->size()},
+                                     program.filename().string());
   if (!corners) return in_context(corners.error());
-  if (!is_valid(*corners, body))
+  if (!fills(*corners, body))
     return in_context({program.filename().string(), "returned tetrahedra that do not fill the body", ""});
   if (double(corners->tets.size()) > 1.5 * options.max_elements)
     return in_context({program.filename().string(),
