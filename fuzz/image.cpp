@@ -1,30 +1,21 @@
 // Any bytes as an image file of one format: an image or one clear error, never a crash, a leak or a huge
 // allocation. Built once for each decoder, which DECODE names.
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <cstdlib>
 
+#include "fuzz/require.h"
 #include "surface/image/image_file.h"
 
+using namespace intaglio;
 using namespace intaglio::surface;
+using fuzz::require;
 
 // The limits for users are too slow for fuzzing.
 constexpr ImageLimits limits{2048, 1u << 18};
 
-namespace {
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
-
-}  // namespace
-
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto image = DECODE({data, size}, "fuzz", limits);
   if (!image) {
-    const std::string message = image.error().message();
-    require(message.find("fuzz: ") == 0 && message.find_first_of("\n\r") == std::string::npos);
+    fuzz::require_clear(image.error(), "fuzz: ");
     return 0;
   }
   const auto& pixels = image->pixels;

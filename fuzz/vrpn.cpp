@@ -1,9 +1,9 @@
 // Any bytes as a VRPN peer's stream (cookie, then frames) and as a datagram. Accepted messages are within
 // their limits and encode to the bytes they came from; an accepted plane gives a finite force.
+// fuzz/vrpn_session.cpp runs whole sessions.
 #include <algorithm>
-#include <cstdint>
-#include <cstdlib>
 
+#include "fuzz/require.h"
 #include "haptics/vrpn/client.h"
 #include "haptics/vrpn/force.h"
 #include "haptics/vrpn/message.h"
@@ -11,12 +11,9 @@
 
 using namespace intaglio;
 using namespace intaglio::haptics::vrpn;
+using fuzz::require;
 
 namespace {
-
-void require(bool holds) {
-  if (!holds) std::abort();
-}
 
 bool same(ByteView a, ByteView b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end());

@@ -171,7 +171,7 @@ class Bakes {
 Result<std::string> source_hash(const BakeArguments& options, const Material& material) {
   Hash hash = sound::bake_hash(material, {"", mode_options(options)});
   const auto add_file = [&](const fs::path& path) -> Result<void> {
-    const auto bytes = read_file(path);
+    const auto bytes = read_file(path);  // Not parsed: hashed
     if (!bytes) return tl::unexpected(bytes.error());
     hash.add(bytes->size());
     hash.add_bytes(bytes->data(), bytes->size());

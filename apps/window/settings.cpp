@@ -130,12 +130,16 @@ fs::path cache_folder() {
 Result<void> read_settings(const fs::path& file, Settings& settings) {
   std::error_code ignored;
   if (file.empty() || !fs::exists(file, ignored)) return {};
-  const auto bytes = read_file(file, 1u << 20);
-  if (!bytes) return tl::unexpected(bytes.error());
-  const auto table = parse_toml({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, file.string());
+  const auto text = read_text(file, 1u << 20);
+  if (!text) return tl::unexpected(text.error());
+  return parse_settings(*text, file.string(), settings);
+}
+
+Result<void> parse_settings(std::string_view text, const std::string& name, Settings& settings) {
+  const auto table = parse_toml(text, name);
   if (!table) return tl::unexpected(table.error());
   std::optional<Error> error;
-  TomlReader reader(*table, file.string(), "", error);
+  TomlReader reader(*table, name, "", error);
   Settings read = settings;
   for (const Setting& setting : all_settings()) {
     if (!setting.is_saved) continue;

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "intaglio/error.h"
@@ -60,6 +61,9 @@ Result<void> set_by_name(Settings& settings, const std::string& name, double val
 std::filesystem::path config_folder();
 std::filesystem::path cache_folder();
 
+// Settings from the text of the file; `name` is the file's in errors, which say the line. An error changes
+// nothing.
+Result<void> parse_settings(std::string_view text, const std::string& name, Settings& settings);
 Result<void> read_settings(const std::filesystem::path& file, Settings& settings);
 Result<void> write_settings(const std::filesystem::path& file, const Settings& settings);
 

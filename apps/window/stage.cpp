@@ -240,6 +240,7 @@ Result<void> Stage::drop(const std::filesystem::path& file, const Settings& sett
       return {};
     }
     // Not a scene; perhaps a texture's recipe, which has no [surface].
+    // Not parsed: searched for that
     if (const auto text = read_file(file, 1 << 20);
         text &&
         std::string_view(reinterpret_cast<const char*>(text->data()), text->size()).find("[surface]") !=

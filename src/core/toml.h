@@ -31,6 +31,7 @@
 namespace intaglio {
 
 // Parses TOML text; errors begin with `name` and the line.
+// Fuzzed by fuzz/scene.cpp through parse_scene
 Result<toml::table> parse_toml(std::string_view text, const std::string& name);
 
 // Allowed range of a number.

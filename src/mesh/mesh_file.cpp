@@ -35,7 +35,7 @@ BufferLoader loader_beside(const fs::path& path) {
     if (fs::path(uri).is_absolute() || !lies_within(folder, side))
       return fail(name, "refers to the buffer " + uri + ", outside its folder",
                   "buffers must lie beside the file");
-    return read_file(side, limit);
+    return read_file(side, limit);  // Fuzzed by fuzz/gltf.cpp through parse_gltf
   };
 }
 

@@ -89,7 +89,7 @@ std::string key_frame_strip(const session::Run& run) {
 
 // Reads the video in pieces of a few megabytes, so that it is never held whole.
 Result<void> embed(const fs::path& file, const std::function<void(std::string_view)>& out) {
-  std::ifstream in(file, std::ios::binary);
+  std::ifstream in(file, std::ios::binary);  // Not parsed: copied into the page
   std::vector<std::uint8_t> bytes(3 << 20);
   out("data:video/mp4;base64,");
   while (in) {

@@ -137,6 +137,7 @@ struct ParsedMessage {
 };
 
 // Parses the first message of `bytes`; its payload points into them.
+// Fuzzed by fuzz/vrpn.cpp through Framer
 ParsedMessage parse_message(ByteView bytes);
 
 // Appends the message with its header, padded with zeros. Must not exceed message_limit.

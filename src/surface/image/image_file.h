@@ -36,6 +36,7 @@ struct DecodedImage {
 };
 
 // `name` begins every error; its extension matters only for TGA.
+// Fuzzed by fuzz/import.cpp through import_texture
 Result<DecodedImage> decode_image(std::span<const std::uint8_t> bytes, const std::string& name,
                                   const ImageLimits& limits = {});
 Result<DecodedImage> read_image(const std::filesystem::path& path);
