@@ -82,7 +82,7 @@ class Mutation {
     }
     std::string text;
     for (const std::string& each : lines_) text += each + "\n";
-    text.pop_back();
+    if (!text.empty()) text.pop_back();
     return text;
   }
 
