@@ -186,7 +186,7 @@ namespace {
 // The duration in an MP4's header, which ffmpeg puts first (+faststart): version 0 of `mvhd`, seconds; 0
 // where there is none.
 double mp4_seconds(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
+  std::ifstream in(file, std::ios::binary);  // Trusted: ffmpeg has just written it; any bytes give a number
   std::string head(4096, '\0');
   in.read(head.data(), std::streamsize(head.size()));
   const std::size_t at = head.find("mvhd");
