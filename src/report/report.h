@@ -23,7 +23,7 @@ struct PageVideo {
 // Writes an HTML page piece by piece to `out`: video, key frames, what was seen, felt, moved and heard on one
 // time axis, how well these agree, and what they cost. Self-contained, but for a video that is too large.
 // Valid for any session, including an empty one or one with NaN, which prints as "–". Some megabytes besides
-// the video, for an hour some 10. Errors: the video cannot be read.
+// the video. Errors: the video cannot be read.
 Result<void> write_report(const Digest& digest, const PageVideo& video,
                           const std::function<void(std::string_view)>& out);
 
