@@ -32,15 +32,16 @@ left=
 for pause in 0 0.2; do
   "$intaglio" -q render "$work/scene/brick.toml" -o "$out/out.mp4" --duration 600 &
   victim=$!
-  for _ in $(seq 600); do # until it has both of the video's, and has removed those of the one killed before
-    [ "$(hidden "$out" | grep -vxF -e "${left:-none}" | wc -l)" -eq 2 ] && break
+  for _ in $(seq 600); do # until it has those of video, picture, sound and both logs, and has removed those of the one killed before
+    [ "$(hidden "$out" | grep -vxF -e "${left:-none}" | wc -l)" -eq 5 ] && break
     sleep 0.02
   done
   sleep $pause
   kill -KILL $victim
   wait $victim 2>/dev/null
   left=$(hidden "$out")
-  [ "$(grep -cE '/\.out\.mp4(\.picture\.mp4)?\.intaglio-[0-9a-f]{12}\.part\.mp4$' <<<"$left")" -eq 2 ] && [ "$(wc -l <<<"$left")" -eq 2 ] ||
+  [ "$(grep -cE '/\.out\.(mp4|mp4\.picture\.mp4|wav|events\.csv|servo\.csv)\.intaglio-[0-9a-f]{12}\.part\.(mp4|wav|csv)$' <<<"$left")" -eq 5 ] &&
+    [ "$(wc -l <<<"$left")" -eq 5 ] ||
     fault "left by a killed render: $left"
   [ "$(sums "$out")" = "$old" ] || fault "a killed render changed the files of the one before"
 done
