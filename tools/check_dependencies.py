@@ -33,7 +33,7 @@ ALLOWED = {
 # The library that defines what a public header, include/intaglio/<name>.h, declares. Public headers include only public ones of
 # libraries that theirs may include, the standard library and the few in PUBLIC_LIBRARIES.
 PUBLIC = {
-    "version": "core", "vec": "core", "error": "core", "event": "core", "representation": "core", "material": "core", "image": "core",
+    "version": "core", "vec": "core", "error": "core", "memory": "core", "event": "core", "representation": "core", "material": "core", "image": "core",
     "surface": "surface", "triangle_mesh": "mesh", "mesh": "mesh", "contact_point": "contact", "contact": "contact",
     "shape": "core", "solid": "contact", "bullet": "dynamics", "world": "dynamics", "haptics": "haptics", "vrpn": "haptics/vrpn",
     "sound": "sound", "audio": "sound/audio", "bake": "sound/bake", "render": "render", "scene": "scene",

@@ -92,7 +92,7 @@ Result<Body> make_elements(const BakeArguments& options, const Material& materia
     body.surface_vertices = surface_nodes(body.filled.mesh);
     return body;
   }
-  auto mesh = surface::read_mesh(options.mesh, surface::MeshUse::shape);
+  auto mesh = surface::read_mesh(options.mesh, {surface::MeshUse::shape, options.allowed_memory});
   if (!mesh) return tl::unexpected(mesh.error());
   std::erase_if(mesh->notes, [](const std::string& note) {
     return note.find("normals were missing") != std::string::npos;
@@ -304,6 +304,7 @@ void add_bake(CLI::App& app, Common& common) {
       "--scale 0.001 --material glass -o out/vase.modes --json\n  intaglio bake --all meshes/ --material glass "
       "-o out/models -j 2\n  intaglio bake --scene my/scene.toml -o my/models");
   verb->callback([options, &common] {
+    options->allowed_memory = common.allowed_memory;
     if (options->mesh.empty() && options->all.empty() && options->scene.empty())
       throw CLI::RequiredError("MESH, --all or --scene");
     if (options->material.empty() && options->scene.empty()) throw CLI::RequiredError("--material");
@@ -317,7 +318,7 @@ void add_bake(CLI::App& app, Common& common) {
 
 int bake_scene(const BakeArguments& options, const Common& common) {
   namespace fs = std::filesystem;
-  const auto scene = scene::read_scene(options.scene);
+  const auto scene = scene::read_scene(options.scene, common.allowed_memory);
   if (!scene) return report(scene.error());
   const auto surface = scene::make_surface(*scene);
   if (!surface) return report(surface.error());

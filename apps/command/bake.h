@@ -27,6 +27,7 @@ struct BakeArguments {
   double merge_db = 0.5;        // largest change of a band by merging; 0: no merging
   std::string scene;            // every model of this scene, instead of `mesh`
   bool json = false;
+  std::uint64_t allowed_memory = default_allowed_memory;  // of Common
 };
 
 inline sound::ModeOptions mode_options(const BakeArguments& options) {

@@ -17,6 +17,7 @@
 #include "core/process.h"
 #include "core/text.h"
 #include "core/toml.h"
+#include "mesh/mesh_file.h"
 #include "sound/bake/fem/tet_mesh.h"
 #include "sound/model_file.h"
 
@@ -87,6 +88,7 @@ Result<Process> spawn_bake(const BakeArguments& job_options) {
   add("--shell", job_options.shell);
   add("--mesher", job_options.mesher);
   add("--merge", job_options.merge_db);
+  add("--allow-memory", fmt::format("{}M", double(job_options.allowed_memory) / 1e6));
   SpawnOptions spawn_options;
   spawn_options.share_output = true;
   return Process::start("/proc/self/exe", argv_strings, spawn_options);
@@ -171,7 +173,7 @@ class Bakes {
 Result<std::string> source_hash(const BakeArguments& options, const Material& material) {
   Hash hash = sound::bake_hash(material, {"", mode_options(options)});
   const auto add_file = [&](const fs::path& path) -> Result<void> {
-    const auto bytes = read_file(path);  // Not parsed: hashed
+    const auto bytes = read_file(path, surface::max_mesh_file_bytes);  // Not parsed: hashed
     if (!bytes) return tl::unexpected(bytes.error());
     hash.add(bytes->size());
     hash.add_bytes(bytes->data(), bytes->size());

@@ -20,8 +20,9 @@ struct InspectArguments {
   int size = surface::ImportOptions().generated_size;
 };
 
-surface::ImportOptions import_options(const InspectArguments& options) {
+surface::ImportOptions import_options(const InspectArguments& options, const Common& common) {
   surface::ImportOptions out;
+  out.allowed_memory = common.allowed_memory;
   if (!options.green.empty()) out.green = parse_green(options.green);
   if (!options.polarity.empty()) out.polarity = parse_polarity(options.polarity);
   if (options.depth >= 0) out.depth_fraction = options.depth;
@@ -61,7 +62,7 @@ int run_inspect(const InspectArguments& options, const Common& common) {
     if (auto named = check_extension(options.html, ".html", "a page"); !named) return report(named.error());
     if (auto writable = check_writable(options.html); !writable) return report(writable.error());
   }
-  const auto inspection = surface::inspect(options.path, import_options(options));
+  const auto inspection = surface::inspect(options.path, import_options(options, common));
   if (!inspection) return report(inspection.error());
   if (!options.html.empty()) {
     const auto title =
@@ -78,7 +79,7 @@ int run_inspect(const InspectArguments& options, const Common& common) {
 }
 
 int run_import(const InspectArguments& options, const Common& common) {
-  const auto imported = surface::import_texture(options.path, import_options(options));
+  const auto imported = surface::import_texture(options.path, import_options(options, common));
   if (!imported) return report(imported.error());
   if (auto written = surface::write_texture_files(*imported, options.output); !written)
     return report(written.error());

@@ -20,6 +20,7 @@
 
 #include "command/stop.h"
 #include "command/verb.h"
+#include "core/budget.h"
 #include "core/text.h"
 #include "intaglio/version.h"
 
@@ -131,6 +132,16 @@ int main(int argc, char** argv) {
   intaglio::app::Common common;
   app.add_flag("-q,--quiet", common.quiet, "No progress bar, no summary; errors only")
       ->each([](const std::string&) { intaglio::app::stop_quietly(); });
+  app.add_option_function<std::string>(
+         "--allow-memory",
+         [&common](const std::string& text) {
+           const auto bytes = intaglio::memory_size(text);
+           if (!bytes)
+             throw CLI::ValidationError("--allow-memory", text + " is not a size, such as 8G or 500M");
+           common.allowed_memory = *bytes;
+         },
+         "Memory that a scene, mesh or texture may need, such as 8G or 500M; more is refused  [2G]")
+      ->type_name("SIZE");
   app.fallthrough();
   intaglio::app::add_run(app, common);
   intaglio::app::add_render(app, common);

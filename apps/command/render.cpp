@@ -48,7 +48,7 @@ void print_summary(const session::Run& run, const std::string& output) {
 }
 
 int run_render(const RenderArguments& options, const Common& common) {
-  auto scene = scene::read_scene(options.scene);
+  auto scene = scene::read_scene(options.scene, common.allowed_memory);
   if (!scene) return report(scene.error());
   override_scene(options, *scene);
   // Mesa's llvmpipe draws with as many threads as this says; the user's setting wins. Set before any thread

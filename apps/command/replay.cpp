@@ -24,7 +24,7 @@ int run_replay(const ReplayArguments& options, const Common& common) {
   if (!log) return report(log.error());
   if (!common.quiet) fmt::print("{}", report::haptic_summary(*log));
   if (!options.scene.empty()) {
-    const auto scene = scene::read_scene(options.scene);
+    const auto scene = scene::read_scene(options.scene, common.allowed_memory);
     if (!scene) return report(scene.error());
     const auto replayed = report::replay(*log, *scene);
     if (!replayed) return report(replayed.error());

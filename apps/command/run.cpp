@@ -120,6 +120,7 @@ int run(const RunArguments& arguments, const Common& common) {
   auto scene =
       arguments.scene.empty() ? scene::parse_scene(first_scene, "brick") : scene::read_scene(arguments.scene);
   if (!scene) return report(scene.error());
+  scene->allowed_memory = common.allowed_memory;
   options.scene = std::move(*scene);
   options.scene_file = arguments.scene;
   if (!arguments.surface.empty()) scene::put_texture(options.scene.surface, arguments.surface);

@@ -6,16 +6,19 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
 #include "intaglio/error.h"
+#include "intaglio/memory.h"
 #include "surface/import.h"
 
 namespace intaglio::app {
 
 struct Common {
   bool quiet = false;
+  std::uint64_t allowed_memory = default_allowed_memory;  // bytes, for what a file asks for
   int exit_code = 0;
 };
 

@@ -233,7 +233,7 @@ void Stage::request_scene(const scene::Scene& scene, const Settings& settings, b
 
 Result<void> Stage::drop(const std::filesystem::path& file, const Settings& settings) {
   if (file.extension() == ".toml") {
-    auto scene = scene::read_scene(file);
+    auto scene = scene::read_scene(file, scene_.allowed_memory);
     if (scene) {
       scene_file_ = file;
       request_scene(*scene, settings, false);
@@ -275,7 +275,7 @@ std::string Stage::update(const Settings& settings, double now) {
   if (!watch_.has_changed(now) || loader_.is_busy()) return "";
   scene::Scene scene = scene_;
   if (!scene_file_.empty()) {
-    auto read = scene::read_scene(scene_file_);
+    auto read = scene::read_scene(scene_file_, scene_.allowed_memory);
     if (!read) return read.error().message();
     // A texture that was dropped stays.
     if (scene_.name != scene_file_.string() || read->surface.texture == scene_.surface.texture) scene = *read;

@@ -9,12 +9,14 @@
 // and cannot do, and what it costs. Lengths in metres; the mesh's coordinates are those of the answers.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <utility>
 
 #include "intaglio/error.h"
+#include "intaglio/memory.h"
 #include "intaglio/surface.h"
 #include "intaglio/triangle_mesh.h"
 #include "intaglio/vec.h"
@@ -22,9 +24,11 @@
 namespace intaglio {
 
 // The mesh of a Wavefront OBJ (.obj), glTF 2.0 (.gltf, .glb) or STL (.stl, shape only) file; files are not
-// trusted. Units are taken as metres. Limits: 256 MB, 4 million triangles. About 2 s per million triangles.
+// trusted. Units are taken as metres. Limits: 256 MB, 4 million triangles; a file that would need more than
+// `allowed_memory` bytes to read is an error. About 2 s per million triangles.
 enum class MeshUse { texture, shape };  // to lay a texture on, or for its shape alone: missing UVs are zero
-Result<TriangleMesh> load_mesh(const std::filesystem::path& path, MeshUse use = MeshUse::texture);
+Result<TriangleMesh> load_mesh(const std::filesystem::path& path, MeshUse use = MeshUse::texture,
+                               std::uint64_t allowed_memory = default_allowed_memory);
 
 // Meshes of known shape, with the axis along +Y and the middle at the origin. UVs run once over each.
 TriangleMesh quad_mesh(const Vec2& size);                               // lying flat, u along +X, v along -Z

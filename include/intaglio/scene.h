@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -36,6 +37,8 @@ class Scene {
   Scene with_representation(Representation representation) const;
   Scene with_texture(const std::string& texture) const;  // on the floor; as Surface::load takes it
   Scene with_picture(int width, int height, int fps) const;
+  // Bytes that making and running the scene may take (docs/trust.md); beyond it is an error.
+  Scene with_allowed_memory(std::uint64_t bytes) const;
 
   // The floor, when it is a rectangle: made anew at each call. Tenths of a second.
   Result<Surface> floor() const;

@@ -15,6 +15,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -27,6 +28,7 @@
 #include "intaglio/error.h"
 #include "intaglio/image.h"
 #include "intaglio/material.h"
+#include "intaglio/memory.h"
 #include "intaglio/vec.h"
 
 namespace intaglio {
@@ -50,6 +52,7 @@ struct SurfaceOptions {
   std::optional<GreenChannel> green = {};
   std::optional<WhiteMeans> white = {};
   int generated_size = 512;  // texels a side of a built-in texture or recipe; an error outside 64 to 8192
+  std::uint64_t allowed_memory = default_allowed_memory;  // bytes; images that need more are an error
 };
 
 // The surface as a probe of a given footprint meets it.

@@ -36,22 +36,43 @@ tl::unexpected<Error> not_found(const fs::path& path) {
 
 }  // namespace
 
-Result<std::vector<std::uint8_t>> read_file(const fs::path& path, std::uintmax_t limit) {
+namespace {
+
+// The size of a regular file.
+Result<std::uintmax_t> size_of(const fs::path& path) {
   std::error_code error;
   if (!fs::exists(path, error)) return not_found(path);
   if (fs::is_directory(path, error)) return fail(path.string(), "is a folder", "name a file");
   if (!fs::is_regular_file(path, error)) return fail(path.string(), "is a device or pipe", "name a file");
   const std::uintmax_t size = fs::file_size(path, error);
   if (error) return fail(path.string(), "cannot be read: " + error.message());
-  if (size > limit)
-    return fail(path.string(), fmt::format("has {} bytes", size), fmt::format("at most {} are read", limit));
+  return size;
+}
+
+Result<std::vector<std::uint8_t>> first_bytes(const fs::path& path, std::size_t count) {
   const File file = open_file(path, "rb");
   if (!file) return fail(path.string(), std::string("cannot be opened: ") + std::strerror(errno));
-  std::vector<std::uint8_t> bytes(size);
+  std::vector<std::uint8_t> bytes(count);
   bytes.resize(std::fread(bytes.data(), 1, bytes.size(), file.get()));
-  if (bytes.size() != size)
-    return fail(path.string(), fmt::format("only {} of {} bytes could be read", bytes.size(), size));
+  if (bytes.size() != count)
+    return fail(path.string(), fmt::format("only {} of {} bytes could be read", bytes.size(), count));
   return bytes;
+}
+
+}  // namespace
+
+Result<std::vector<std::uint8_t>> read_file(const fs::path& path, std::uintmax_t limit) {
+  const auto size = size_of(path);
+  if (!size) return tl::unexpected(size.error());
+  if (*size > limit)
+    return fail(path.string(), fmt::format("has {} bytes", *size), fmt::format("at most {} are read", limit));
+  return first_bytes(path, *size);
+}
+
+Result<std::vector<std::uint8_t>> read_head(const fs::path& path, std::size_t count) {
+  const auto size = size_of(path);
+  if (!size) return tl::unexpected(size.error());
+  return first_bytes(path, std::size_t(std::min<std::uintmax_t>(*size, count)));
 }
 
 Result<std::string> read_text(const fs::path& path, std::uintmax_t limit) {

@@ -12,13 +12,16 @@
 
 namespace intaglio {
 
-// The bytes of a regular file. Errors: not found (with the nearest name in its folder), a folder, unreadable,
-// larger than `limit`.
-Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path,
-                                            std::uintmax_t limit = 1u << 30);
+// The bytes of a regular file, whose size is checked before anything is allocated or read: every reader
+// states its limit. Errors: not found (with the nearest name in its folder), a folder, unreadable, larger
+// than `limit`.
+Result<std::vector<std::uint8_t>> read_file(const std::filesystem::path& path, std::uintmax_t limit);
 
 // The same as text.
-Result<std::string> read_text(const std::filesystem::path& path, std::uintmax_t limit = 1u << 30);
+Result<std::string> read_text(const std::filesystem::path& path, std::uintmax_t limit);
+
+// At most `count` bytes from the beginning, for headers.
+Result<std::vector<std::uint8_t>> read_head(const std::filesystem::path& path, std::size_t count);
 
 // Writes all of `bytes` or nothing, as a set of one OutputFiles. Creates the folder.
 Result<void> write_file(const std::filesystem::path& path, std::span<const std::uint8_t> bytes);

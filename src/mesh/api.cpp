@@ -8,9 +8,9 @@
 
 namespace intaglio {
 
-Result<TriangleMesh> load_mesh(const std::filesystem::path& path, MeshUse use) {
-  return surface::read_mesh(path,
-                            use == MeshUse::texture ? surface::MeshUse::texture : surface::MeshUse::shape);
+Result<TriangleMesh> load_mesh(const std::filesystem::path& path, MeshUse use, std::uint64_t allowed_memory) {
+  return surface::read_mesh(
+      path, {use == MeshUse::texture ? surface::MeshUse::texture : surface::MeshUse::shape, allowed_memory});
 }
 
 TriangleMesh quad_mesh(const Vec2& size) {

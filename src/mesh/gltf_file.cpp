@@ -193,21 +193,48 @@ Result<GlbChunks> split_glb(std::span<const std::uint8_t> bytes, const std::stri
   return chunks;
 }
 
-// The JSON of the file, without exceptions; nesting is bounded, since each level costs many times its text in
-// memory.
-nlohmann::json parse_json(std::span<const std::uint8_t> text) {
+// How large the JSON of a file would be when parsed, and how deeply it nests, by its punctuation alone.
+struct JsonExtent {
+  std::size_t values = 0;  // about: every value but the first follows one of { [ , :
+  int depth = 0;
+};
+
+JsonExtent extent_of(std::span<const std::uint8_t> text) {
+  JsonExtent extent;
+  int depth = 0;
+  bool in_string = false;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    const auto c = char(text[k]);
+    if (in_string && c == '\\') ++k;  // skips an escaped quote
+    if (c == '"') in_string = !in_string;
+    if (in_string) continue;
+    if (c == '{' || c == '[') extent.depth = std::max(extent.depth, ++depth);
+    if (c == '}' || c == ']') --depth;
+    if (c == '{' || c == '[' || c == ',' || c == ':') ++extent.values;
+  }
+  return extent;
+}
+
+// The JSON of the file, without exceptions. The parser's own callback, which could bound the nesting, makes
+// it quadratic in the number of nodes: after each one it searches its siblings for discarded values.
+Result<nlohmann::json> parse_json(std::span<const std::uint8_t> text, const std::string& name,
+                                  std::uint64_t allowed_memory) {
   constexpr int max_json_depth = 100;
-  const auto limit_depth = [](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
-    return depth <= max_json_depth;
-  };
-  return nlohmann::json::parse(text.begin(), text.end(), limit_depth, false);
+  constexpr double bytes_per_value = 80;  // of nlohmann::json, with the key of a member
+  const JsonExtent extent = extent_of(text);
+  const MemoryCost cost("JSON", double(text.size()) + bytes_per_value * double(extent.values));
+  if (auto fits = check_memory(name, cost, allowed_memory); !fits) return tl::unexpected(fits.error());
+  nlohmann::json json;
+  if (extent.depth <= max_json_depth) json = nlohmann::json::parse(text.begin(), text.end(), nullptr, false);
+  if (json.is_object()) return json;
+  return fail(name, "is not a glTF file: its JSON cannot be read", "is the file cut off?");
 }
 
 class GltfReader {
  public:
   GltfReader(const nlohmann::json& json, std::span<const std::uint8_t> binary, const std::string& name,
-             const BufferLoader& load_buffer, MeshUse use)
-      : root_(&json, "", name, error_), buffers_(root_, binary, load_buffer), name_(name), use_(use) {}
+             const BufferLoader& load_buffer, const MeshOptions& options)
+      : file_{name, {}}, root_(&json, "", file_), buffers_(root_, binary, load_buffer), options_(options) {}
 
   Result<TriangleMesh> read() {
     check_asset();
@@ -215,15 +242,16 @@ class GltfReader {
     visited_.assign(root_["nodes"].size(), false);
     if (scenes.size() > 0) {
       const JsonValue roots = scenes[root_["scene"].integer(0, max_index)]["nodes"];
-      for (std::size_t k = 0; k < roots.size() && !error_; ++k)
+      for (std::size_t k = 0; k < roots.size() && !file_.error; ++k)
         read_node(roots[k].required_integer(max_index), Transform::Identity(), 0);
     } else {
-      for (std::size_t k = 0; k < root_["meshes"].size() && !error_; ++k) read_mesh(k, Transform::Identity());
+      for (std::size_t k = 0; k < root_["meshes"].size() && !file_.error; ++k)
+        read_mesh(k, Transform::Identity());
     }
-    if (error_) return tl::unexpected(*error_);
+    if (file_.error) return tl::unexpected(*file_.error);
     if (skipped_ > 0)
       mesh_.notes.push_back(fmt::format("{} primitives of points or lines were skipped", skipped_));
-    return checked(std::move(mesh_), name_);
+    return checked(std::move(mesh_), file_.name);
   }
 
  private:
@@ -231,7 +259,7 @@ class GltfReader {
     if (!root_["asset"]["version"].string().starts_with("2"))
       root_["asset"].fail("is not glTF 2", "only version 2.0 is supported");
     const JsonValue required = root_["extensionsRequired"];
-    for (std::size_t k = 0; k < required.size() && !error_; ++k) {
+    for (std::size_t k = 0; k < required.size() && !file_.error; ++k) {
       const std::string extension = required[k].string();
       const auto appearance_only = {"KHR_materials_", "KHR_lights_", "KHR_texture_basisu",
                                     "EXT_texture_webp"};
@@ -245,14 +273,14 @@ class GltfReader {
   // A node may be reached only once, which makes the nodes a tree and a cycle an error.
   void read_node(std::size_t index, const Transform& parent, int depth) {
     const JsonValue node = root_["nodes"][index];
-    if (!node || error_) return;
+    if (!node || file_.error) return;
     if (visited_[index] || depth > max_node_depth)
       return node.fail("is part of a cycle, has two parents, or is nested too deeply");
     visited_[index] = true;
     const Transform world = parent * local_transform(node);
     if (node["mesh"]) read_mesh(node["mesh"].required_integer(max_index), world);
     const JsonValue children = node["children"];
-    for (std::size_t k = 0; k < children.size() && !error_; ++k)
+    for (std::size_t k = 0; k < children.size() && !file_.error; ++k)
       read_node(children[k].required_integer(max_index), world, depth + 1);
   }
 
@@ -282,7 +310,7 @@ class GltfReader {
 
   void read_mesh(std::size_t index, const Transform& world) {
     const JsonValue primitives = root_["meshes"][index]["primitives"];
-    for (std::size_t k = 0; k < primitives.size() && !error_; ++k) read_primitive(primitives[k], world);
+    for (std::size_t k = 0; k < primitives.size() && !file_.error; ++k) read_primitive(primitives[k], world);
   }
 
   void read_primitive(const JsonValue& primitive, const Transform& world) {
@@ -293,12 +321,12 @@ class GltfReader {
     }
     if (mode != triangles_mode)
       return primitive["mode"].fail("is a strip or a fan", "export plain triangles");
-    if (use_ == MeshUse::texture && !primitive["attributes"]["TEXCOORD_0"])
+    if (options_.use == MeshUse::texture && !primitive["attributes"]["TEXCOORD_0"])
       return primitive.fail("has no UVs (TEXCOORD_0)",
                             "a texture needs them; unwrap the mesh and export its UVs");
     const std::size_t first = mesh_.positions.size();
     read_vertices(primitive["attributes"], world);
-    if (!error_) read_triangles(primitive, first, world.linear().determinant() < 0);
+    if (!file_.error) read_triangles(primitive, first, world.linear().determinant() < 0);
   }
 
   void read_vertices(const JsonValue& attributes, const Transform& world) {
@@ -313,11 +341,16 @@ class GltfReader {
     const Accessor uvs = has_uvs ? accessor("TEXCOORD_0", "VEC2", 2, Component::normalised) : Accessor{};
     const bool has_normals = bool(attributes["NORMAL"]);
     const Accessor normals = has_normals ? accessor("NORMAL", "VEC3", 3, Component::floats) : Accessor{};
-    if (error_) return;
+    if (file_.error) return;
     if ((has_uvs && uvs.count != positions.count) || (has_normals && normals.count != positions.count))
       return attributes.fail("have different counts");
     if (positions.count > max_mesh_vertices - mesh_.positions.size())
       return attributes.fail("have too many vertices", fmt::format("at most {} are read", max_mesh_vertices));
+    const std::size_t vertices = mesh_.positions.size() + positions.count;
+    if (auto fits = check_mesh_memory(file_.name, vertices, vertices, options_.allowed_memory); !fits) {
+      file_.error = fits.error();
+      return;
+    }
     const Mat3 normal_world = normal_transform(world.linear());
     const auto vector = [](const Accessor& list, std::size_t k) {
       return Vec3(list.value(k, 0), list.value(k, 1), list.value(k, 2));
@@ -346,7 +379,7 @@ class GltfReader {
     if (indices)
       list = buffers_.accessor(indices.required_integer(max_index), "SCALAR", 1,
                                GltfBuffers::Component::indices);
-    if (error_) return;
+    if (file_.error) return;
     const std::size_t corners = indices ? list.count : vertices;
     if (corners % 3 != 0) return primitive.fail(fmt::format("has {} corners, not a multiple of 3", corners));
     if (corners / 3 > max_mesh_triangles - mesh_.triangles.size())
@@ -364,11 +397,10 @@ class GltfReader {
     }
   }
 
-  std::optional<Error> error_;
+  JsonValue::File file_;
   JsonValue root_;
   GltfBuffers buffers_;
-  std::string name_;
-  MeshUse use_;
+  MeshOptions options_;
   std::vector<bool> visited_;
   std::size_t skipped_ = 0;
   TriangleMesh mesh_;
@@ -377,14 +409,13 @@ class GltfReader {
 }  // namespace
 
 Result<TriangleMesh> parse_gltf(std::span<const std::uint8_t> bytes, const std::string& name,
-                                const BufferLoader& load_buffer, MeshUse use) {
+                                const BufferLoader& load_buffer, const MeshOptions& options) {
   if (auto size = check_mesh_file_size(bytes.size(), name); !size) return tl::unexpected(size.error());
   const auto chunks = split_glb(bytes, name);
   if (!chunks) return tl::unexpected(chunks.error());
-  const nlohmann::json json = parse_json(chunks->json);
-  if (!json.is_object())
-    return fail(name, "is not a glTF file: its JSON cannot be read", "is the file cut off?");
-  return GltfReader(json, chunks->binary, name, load_buffer, use).read();
+  const auto json = parse_json(chunks->json, name, options.allowed_memory);
+  if (!json) return tl::unexpected(json.error());
+  return GltfReader(*json, chunks->binary, name, load_buffer, options).read();
 }
 
 }  // namespace intaglio::surface

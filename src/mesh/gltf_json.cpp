@@ -8,21 +8,21 @@
 namespace intaglio::surface {
 
 JsonValue JsonValue::operator[](const char* key) const {
-  const JsonValue absent(nullptr, path_.empty() ? key : path_ + "." + key, file_, *error_);
+  const JsonValue absent(nullptr, path_.empty() ? key : path_ + "." + key, *file_);
   if (!json_) return absent;
   if (!json_->is_object()) {
     fail("is not an object");
     return absent;
   }
   const auto found = json_->find(key);
-  return found == json_->end() ? absent : JsonValue(&*found, absent.path_, file_, *error_);
+  return found == json_->end() ? absent : JsonValue(&*found, absent.path_, *file_);
 }
 
 JsonValue JsonValue::operator[](std::size_t index) const {
-  const std::string path = fmt::format("{}[{}]", path_, index);
+  const std::string path = path_ + "[" + std::to_string(index) + "]";
   const std::size_t count = size();
-  if (index < count) return {&(*json_)[index], path, file_, *error_};
-  const JsonValue absent(nullptr, path, file_, *error_);
+  if (index < count) return {&(*json_)[index], path, *file_};
+  const JsonValue absent(nullptr, path, *file_);
   absent.fail("is referenced but does not exist", fmt::format("{} has {}", path_, count));
   return absent;
 }
@@ -71,8 +71,8 @@ std::string JsonValue::string() const {
 }
 
 void JsonValue::fail(std::string what, std::string fix) const {
-  if (*error_) return;
-  *error_ = Error{file_, path_.empty() ? std::move(what) : path_ + ": " + what, std::move(fix)};
+  if (file_->error) return;
+  file_->error = Error{file_->name, path_.empty() ? std::move(what) : path_ + ": " + what, std::move(fix)};
 }
 
 std::string printable(std::string_view text) {

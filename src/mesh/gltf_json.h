@@ -16,8 +16,14 @@ namespace intaglio::surface {
 
 class JsonValue {
  public:
-  JsonValue(const nlohmann::json* json, std::string path, std::string file, std::optional<Error>& error)
-      : json_(json), path_(std::move(path)), file_(std::move(file)), error_(&error) {}
+  // Shared by all values of a file; it outlives them.
+  struct File {
+    std::string name;
+    std::optional<Error> error;
+  };
+
+  JsonValue(const nlohmann::json* json, std::string path, File& file)
+      : json_(json), path_(std::move(path)), file_(&file) {}
 
   // Whether the value exists. All accessors are safe on an absent value.
   explicit operator bool() const { return json_ != nullptr; }
@@ -39,8 +45,8 @@ class JsonValue {
 
  private:
   const nlohmann::json* json_;
-  std::string path_, file_;
-  std::optional<Error>* error_;
+  std::string path_;
+  File* file_;
 };
 
 // Text of a file, safe to print in an error: one line, not long.

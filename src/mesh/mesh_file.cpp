@@ -47,7 +47,22 @@ Result<void> check_mesh_file_size(std::size_t bytes, const std::string& name) {
               fmt::format("at most {} are read", max_mesh_file_bytes));
 }
 
-Result<TriangleMesh> read_mesh(const fs::path& path, MeshUse use) {
+namespace {
+
+// Reading and repairing them (triangle_mesh.cpp, checked), and finding the body that they enclose, or laying
+// a texture on them.
+double mesh_bytes(std::size_t vertices, std::size_t triangles) {
+  return 160 * double(vertices) + 250 * double(triangles);
+}
+
+}  // namespace
+
+Result<void> check_mesh_memory(const std::string& name, std::size_t vertices, std::size_t triangles,
+                               std::uint64_t allowed) {
+  return check_memory(name, {"mesh", mesh_bytes(vertices, triangles)}, allowed);
+}
+
+Result<TriangleMesh> read_mesh(const fs::path& path, const MeshOptions& options) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
@@ -55,15 +70,15 @@ Result<TriangleMesh> read_mesh(const fs::path& path, MeshUse use) {
   const bool stl = extension == ".stl";
   if (!gltf && !stl && extension != ".obj")
     return fail(path.string(), "is not a mesh file that can be read",
-                use == MeshUse::shape ? "use .obj, .stl, .gltf or .glb" : "use .obj, .gltf or .glb");
-  if (stl && use == MeshUse::texture)
+                options.use == MeshUse::shape ? "use .obj, .stl, .gltf or .glb" : "use .obj, .gltf or .glb");
+  if (stl && options.use == MeshUse::texture)
     return fail(path.string(), "is an STL file, which has no UVs",
                 "a texture needs them; use .obj, .gltf or .glb");
   const auto bytes = read_file(path, max_mesh_file_bytes);
   if (!bytes) return tl::unexpected(bytes.error());
-  if (gltf) return parse_gltf(*bytes, path.string(), loader_beside(path), use);
-  if (stl) return parse_stl(*bytes, path.string());
-  return parse_obj({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path.string(), use);
+  if (gltf) return parse_gltf(*bytes, path.string(), loader_beside(path), options);
+  if (stl) return parse_stl(*bytes, path.string(), options);
+  return parse_obj({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path.string(), options);
 }
 
 // Wavefront OBJ: v, vt, vn and f; the rest (groups, materials, lines, curves) is ignored.
@@ -112,9 +127,10 @@ struct CornerHash {
 
 class ObjParser {
  public:
-  ObjParser(std::string name, MeshUse use) : name_(std::move(name)), use_(use) {}
+  ObjParser(std::string name, const MeshOptions& options) : name_(std::move(name)), options_(options) {}
 
   Result<TriangleMesh> parse(std::string_view text) {
+    if (auto fits = reserve_lists(text); !fits) return tl::unexpected(fits.error());
     while (!text.empty()) {
       const std::size_t end = std::min(text.find('\n'), text.size());
       ++line_;
@@ -129,6 +145,24 @@ class ObjParser {
  private:
   tl::unexpected<Error> fail_here(std::string what, std::string fix = {}) const {
     return fail(fmt::format("{}:{}", name_, line_), std::move(what), std::move(fix));
+  }
+
+  // Counts the lines, so that the lists of positions, normals and UVs never grow.
+  Result<void> reserve_lists(std::string_view text) {
+    std::size_t positions = 0, normals = 0, uvs = 0, faces = 0;
+    for (std::size_t at = 0; at < text.size(); at = std::min(text.find('\n', at), text.size()) + 1) {
+      if (text[at] == 'f') ++faces;
+      if (text[at] != 'v' || at + 1 == text.size()) continue;
+      ++(text[at + 1] == 'n' ? normals : text[at + 1] == 't' ? uvs : positions);
+    }
+    MemoryCost cost("text", double(text.size()));
+    cost.add("mesh", mesh_bytes(std::min(positions, 3 * faces), faces));  // at least
+    cost.add("lists", double(sizeof(Vec3) * (positions + normals) + sizeof(Vec2) * uvs));
+    if (auto fits = check_memory(name_, cost, options_.allowed_memory); !fits) return fits;
+    positions_.reserve(positions);
+    normals_.reserve(normals);
+    uvs_.reserve(uvs);
+    return {};
   }
 
   Result<void> read_line(std::string_view line) {
@@ -173,7 +207,7 @@ class ObjParser {
       parts[k] = word.substr(0, end);
       word.remove_prefix(std::min(end + 1, word.size()));
     }
-    if (parts[1].empty() && use_ == MeshUse::texture)
+    if (parts[1].empty() && options_.use == MeshUse::texture)
       return fail_here("a face has no UVs", "a texture needs them; unwrap the mesh and export its UVs");
     const auto position = to_index(parts[0], positions_.size());
     const auto uv = parts[1].empty() ? std::optional(-1) : to_index(parts[1], uvs_.size());
@@ -195,6 +229,7 @@ class ObjParser {
       const auto corner = to_corner(word);
       if (!corner) return tl::unexpected(corner.error());
       fan[std::min<std::size_t>(corners, 2)] = vertex(*corner);
+      if (auto fits = check_growth(); !fits) return fits;
       if (++corners < 3) continue;
       if (mesh_.triangles.size() >= max_mesh_triangles)
         return fail_here("has too many triangles", fmt::format("at most {} are read", max_mesh_triangles));
@@ -205,6 +240,14 @@ class ObjParser {
       return fail_here(fmt::format("a face has {} corners", corners), "a face needs 3 or more");
     if (corners > 4) ++fans_;
     return {};
+  }
+
+  // Only reading tells how many different corners there are: checked at every 65536th.
+  Result<void> check_growth() const {
+    constexpr std::size_t stride = 1 << 16;
+    const std::size_t vertices = mesh_.positions.size();
+    if (vertices % stride != 0) return {};
+    return check_mesh_memory(name_, vertices + stride, mesh_.triangles.size(), options_.allowed_memory);
   }
 
   int vertex(const Corner& corner) {
@@ -218,7 +261,7 @@ class ObjParser {
   }
 
   std::string name_;
-  MeshUse use_;
+  MeshOptions options_;
   std::size_t line_ = 0;
   std::size_t fans_ = 0;
   std::vector<Vec3> positions_, normals_;
@@ -229,9 +272,9 @@ class ObjParser {
 
 }  // namespace
 
-Result<TriangleMesh> parse_obj(std::string_view text, const std::string& name, MeshUse use) {
+Result<TriangleMesh> parse_obj(std::string_view text, const std::string& name, const MeshOptions& options) {
   if (auto size = check_mesh_file_size(text.size(), name); !size) return tl::unexpected(size.error());
-  return ObjParser(name, use).parse(text);
+  return ObjParser(name, options).parse(text);
 }
 
 // STL: triangles and nothing else. Binary files have an 80-byte header, a count, and 50 bytes a triangle;
@@ -272,10 +315,12 @@ void add_vertex(TriangleMesh& mesh, const Vec3& position) {
 }
 
 Result<TriangleMesh> read_binary(std::span<const std::uint8_t> bytes, std::size_t count,
-                                 const std::string& name) {
+                                 const std::string& name, const MeshOptions& options) {
   if (count > max_mesh_triangles)
     return fail(name, fmt::format("has {} triangles", count),
                 fmt::format("at most {} are read", max_mesh_triangles));
+  if (auto fits = check_mesh_memory(name, 3 * count, count, options.allowed_memory); !fits)
+    return tl::unexpected(fits.error());
   TriangleMesh mesh;
   for (std::size_t triangle = 0; triangle < count; ++triangle) {
     std::array<float, 9> corners;
@@ -286,7 +331,7 @@ Result<TriangleMesh> read_binary(std::span<const std::uint8_t> bytes, std::size_
   return checked(std::move(mesh), name);
 }
 
-Result<TriangleMesh> read_ascii(std::string_view text, const std::string& name) {
+Result<TriangleMesh> read_ascii(std::string_view text, const std::string& name, const MeshOptions& options) {
   TriangleMesh mesh;
   Words words(text);
   const auto fail_here = [&](std::string what, std::string fix = {}) {
@@ -311,6 +356,11 @@ Result<TriangleMesh> read_ascii(std::string_view text, const std::string& name) 
       value = *number;
     }
     add_vertex(mesh, position);
+    if (mesh.positions.size() % (1 << 16) != 0) continue;
+    if (auto fits =
+            check_mesh_memory(name, mesh.positions.size(), mesh.triangles.size(), options.allowed_memory);
+        !fits)
+      return tl::unexpected(fits.error());
   }
   if (mesh.positions.size() % 3 != 0) return fail_here("ends within a facet", "is the file cut off?");
   return checked(std::move(mesh), name);
@@ -318,15 +368,16 @@ Result<TriangleMesh> read_ascii(std::string_view text, const std::string& name) 
 
 }  // namespace
 
-Result<TriangleMesh> parse_stl(std::span<const std::uint8_t> bytes, const std::string& name) {
+Result<TriangleMesh> parse_stl(std::span<const std::uint8_t> bytes, const std::string& name,
+                               const MeshOptions& options) {
   if (auto size = check_mesh_file_size(bytes.size(), name); !size) return tl::unexpected(size.error());
   if (bytes.size() >= header_bytes) {
     std::uint32_t count = 0;
     std::memcpy(&count, bytes.data() + 80, sizeof count);
     if (bytes.size() == header_bytes + triangle_bytes * std::size_t{count})
-      return read_binary(bytes, count, name);
+      return read_binary(bytes, count, name, options);
   }
-  return read_ascii({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, name);
+  return read_ascii({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, name, options);
 }
 
 }  // namespace intaglio::surface

@@ -176,10 +176,11 @@ VertexArray::VertexArray() {
 }
 
 VertexArray::VertexArray(const Mesh& mesh) : VertexArray() {
-  GLuint names[2] = {};
-  glGenBuffers(2, names);
+  GLuint names[3] = {};
+  glGenBuffers(3, names);
   vertices_ = Handle<delete_buffer>(names[0]);
   indices_ = Handle<delete_buffer>(names[1]);
+  instances_ = Handle<delete_buffer>(names[2]);
   count_ = GLsizei(mesh.indices.size());
   const auto bytes = [](const auto& v) { return GLsizeiptr(v.size() * sizeof v[0]); };
   bytes_ = std::size_t(bytes(mesh.vertices) + bytes(mesh.indices));
@@ -193,11 +194,25 @@ VertexArray::VertexArray(const Mesh& mesh) : VertexArray() {
   glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Vertex), offset(offsetof(Vertex, position)));
   glEnableVertexAttribArray(1);
   glVertexAttribPointer(1, 3, GL_FLOAT, GL_FALSE, sizeof(Vertex), offset(offsetof(Vertex, normal)));
+  glBindBuffer(GL_ARRAY_BUFFER, instances_.get());
+  for (GLuint k = 2; k <= 8; ++k) {
+    glEnableVertexAttribArray(k);
+    glVertexAttribDivisor(k, 1);
+  }
+  for (GLuint column = 0; column < 4; ++column)
+    glVertexAttribPointer(2 + column, 4, GL_FLOAT, GL_FALSE, sizeof(Instance),
+                          offset(offsetof(Instance, model) + column * 4 * sizeof(float)));
+  glVertexAttribPointer(6, 3, GL_FLOAT, GL_FALSE, sizeof(Instance), offset(offsetof(Instance, colour_a)));
+  glVertexAttribPointer(7, 3, GL_FLOAT, GL_FALSE, sizeof(Instance), offset(offsetof(Instance, colour_b)));
+  glVertexAttribIPointer(8, 1, GL_INT, sizeof(Instance), offset(offsetof(Instance, self)));
 }
 
-void VertexArray::draw() const {
+void VertexArray::draw(std::span<const Instance> instances) {
+  if (instances.empty()) return;
   glBindVertexArray(array_.get());
-  glDrawElements(GL_TRIANGLES, count_, GL_UNSIGNED_INT, nullptr);
+  glBindBuffer(GL_ARRAY_BUFFER, instances_.get());
+  glBufferData(GL_ARRAY_BUFFER, GLsizeiptr(instances.size_bytes()), instances.data(), GL_STREAM_DRAW);
+  glDrawElementsInstanced(GL_TRIANGLES, count_, GL_UNSIGNED_INT, nullptr, GLsizei(instances.size()));
 }
 
 void VertexArray::draw_unindexed(int count) const {

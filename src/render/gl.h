@@ -132,13 +132,21 @@ class Framebuffer {
   Handle<delete_framebuffer> framebuffer_;
 };
 
+// One body of a mesh that many have: attributes 2 to 8 (shaders/solid.vert).
+struct Instance {
+  Eigen::Matrix4f model = Eigen::Matrix4f::Identity();
+  Eigen::Vector3f colour_a = Eigen::Vector3f::Zero(), colour_b = Eigen::Vector3f::Zero();
+  GLint self = -1;  // index among the shadow casters, or -1
+};
+
 // Triangles on the device: attribute 0 is the position, 1 the normal.
 class VertexArray {
  public:
   VertexArray();  // no attributes: for vertices generated in the vertex shader
   explicit VertexArray(const Mesh& mesh);
 
-  void draw() const;
+  // All bodies of this mesh in one call: thousands cost the driver what one does.
+  void draw(std::span<const Instance> instances);
   std::size_t bytes() const { return bytes_; }  // of vertices and indices
   // `count` vertices numbered by gl_VertexID alone.
   void draw_unindexed(int count) const;
@@ -147,6 +155,7 @@ class VertexArray {
   Handle<delete_vertex_array> array_;
   Handle<delete_buffer> vertices_;
   Handle<delete_buffer> indices_;
+  Handle<delete_buffer> instances_;
   GLsizei count_ = 0;
   std::size_t bytes_ = 0;
 };

@@ -25,7 +25,7 @@ Result<ShaderFiles> shaders_from(const std::filesystem::path& folder) {
   for (auto& [name, text] : out) {
     std::error_code missing;
     if (!std::filesystem::is_regular_file(folder / name, missing)) continue;
-    const auto bytes = read_file(folder / name);  // Trusted: shaders that the user edits
+    const auto bytes = read_file(folder / name, 1u << 20);  // Trusted: shaders that the user edits
     if (!bytes) return tl::unexpected(bytes.error());
     text.assign(bytes->begin(), bytes->end());
     ++found;

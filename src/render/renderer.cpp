@@ -2,10 +2,14 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <optional>
+#include <set>
+#include <utility>
 
 #include "intaglio/representation.h"
 #include "render/egl_context.h"
@@ -50,10 +54,27 @@ struct RenderTargets {
   }
 };
 
+// The textures of the surfaces that are uploaded together: those that share their texels share them.
+class SharedTextures {
+ public:
+  Result<std::shared_ptr<const SurfaceTextures>> of(const surface::Surface& surface) {
+    auto& textures = textures_[{surface.identity(), surface.is_flat()}];
+    if (!textures) {
+      auto created = SurfaceTextures::create(surface);
+      if (!created) return tl::unexpected(created.error());
+      textures = std::make_shared<const SurfaceTextures>(std::move(*created));
+    }
+    return textures;
+  }
+
+ private:
+  std::map<std::pair<const void*, bool>, std::shared_ptr<const SurfaceTextures>> textures_;
+};
+
 // A textured surface on the device.
 struct Part {
   surface::Placement placement;
-  SurfaceTextures textures;
+  std::shared_ptr<const SurfaceTextures> textures;
   FrameBlock block;
   std::optional<gl::VertexArray> mesh;     // replaces traced relief
   std::optional<gl::InstanceArray> shell;  // replaces the slab, on a curved base
@@ -63,10 +84,11 @@ struct Part {
     return scene.representation == Representation::relief && block.size[2] > 0;
   }
 
-  static Result<Part> create(const SurfacePart& part, const RendererOptions& options) {
-    auto textures = SurfaceTextures::create(*part.surface);
+  static Result<Part> create(const SurfacePart& part, const RendererOptions& options,
+                             SharedTextures& shared) {
+    auto textures = shared.of(*part.surface);
     if (!textures) return tl::unexpected(textures.error());
-    const FrameBlock block = make_surface_block(part, options, textures->pyramid_levels);
+    const FrameBlock block = make_surface_block(part, options, (*textures)->pyramid_levels);
     Part out{part.surface->placement(), std::move(*textures), block, {}, {}};
     if (part.base) {
       const auto& place = part.surface->placement();
@@ -86,7 +108,6 @@ struct Part {
 struct UploadedMesh {
   std::shared_ptr<const Mesh> mesh;
   gl::VertexArray triangles;
-  bool is_used = true;  // by the last picture
 };
 
 }  // namespace
@@ -101,7 +122,7 @@ struct Renderer::Gpu {
   std::map<const Mesh*, UploadedMesh> solids = {};
   gl::UniformBuffer frame{frame_binding, sizeof(FrameBlock)};
   gl::VertexArray empty_array;
-  gl::VertexArray sphere{unit_sphere()};
+  gl::VertexArray sphere{unit_sphere()}, small_sphere{unit_sphere(24)};
   gl::VertexArray pen;
   Vec2 pen_size = Vec2::Zero();  // length and radius of the uploaded pen
   Camera camera;                 // of the last draw
@@ -148,11 +169,12 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const surface::Surface& surfa
   if (!targets) return tl::unexpected(targets.error());
   auto programs = Programs::create(options, embedded_shaders());
   if (!programs) return tl::unexpected(programs.error());
+  SharedTextures shared;
   auto part = Part::create({.surface = &surface,
                             .slab_thickness = options.slab_thickness,
                             .roughness = options.roughness,
                             .displaced_mesh_cells = options.displaced_mesh_cells},
-                           options);
+                           options, shared);
   if (!part) return tl::unexpected(part.error());
   auto gpu = std::unique_ptr<Gpu>(new Gpu{.context = std::move(context),
                                           .options = options,
@@ -180,8 +202,9 @@ std::string Renderer::device() const {
 
 Renderer::DeviceBytes Renderer::device_bytes() const {
   DeviceBytes out;
+  std::set<const SurfaceTextures*> counted;
   for (const Part& part : gpu_->parts) {
-    out.textures += part.textures.bytes;
+    if (counted.insert(part.textures.get()).second) out.textures += part.textures->bytes;
     if (part.mesh) out.meshes += part.mesh->bytes();
     if (part.shell) out.meshes += part.shell->bytes();
   }
@@ -192,8 +215,9 @@ Result<void> Renderer::show(std::span<const SurfacePart> shown) {
   if (shown.empty()) return fail("renderer", "needs at least one surface");
   const auto scope = make_current(gpu_->context);
   std::vector<Part> parts;
+  SharedTextures shared;
   for (const SurfacePart& part : shown) {
-    auto created = Part::create(part, gpu_->options);
+    auto created = Part::create(part, gpu_->options, shared);
     if (!created) return tl::unexpected(created.error());
     parts.push_back(std::move(*created));
   }
@@ -283,19 +307,19 @@ void Renderer::Gpu::draw(const FrameScene& scene) {
 void Renderer::Gpu::bind_part(Part& part, const FrameScene& scene) {
   update_frame_block(part.block, scene, casters, part.placement, options);
   frame.write(&part.block);
-  part.textures.heights.bind(heights_unit);
-  part.textures.bounds.bind(bounds_unit);
-  part.textures.normals.bind(normals_unit);
-  part.textures.colour.bind(colour_unit);
+  part.textures->heights.bind(heights_unit);
+  part.textures->bounds.bind(bounds_unit);
+  part.textures->normals.bind(normals_unit);
+  part.textures->colour.bind(colour_unit);
 }
 
 void Renderer::Gpu::draw_part(std::size_t index, const FrameScene& scene) {
-  const Part& part = parts[index];
+  Part& part = parts[index];
   if (part.shell) return draw_shell(index, scene);
   if (part.mesh && scene.representation == Representation::relief) {
+    const gl::Instance here;
     programs.mesh.use();
-    programs.mesh.set("model", Eigen::Matrix4f(Eigen::Matrix4f::Identity()));
-    part.mesh->draw();
+    part.mesh->draw({&here, 1});
     return;
   }
   (part.has_relief(scene) ? programs.relief_slab : programs.slab).use();
@@ -316,31 +340,39 @@ void Renderer::Gpu::draw_shell(std::size_t index, const FrameScene& scene) {
 }
 
 void Renderer::Gpu::draw_balls(const std::vector<Ball>& balls) {
-  programs.ball.use();
+  // The silhouette of the small sphere is 1 - cos(pi / 24) of its radius off: 1/20 of a sample here.
+  constexpr double small_radius = 6;  // samples
+  const double samples_a_radian =
+      0.5 * options.height * options.supersample / std::tan(camera.fov_y_degrees * std::numbers::pi / 360);
+  std::vector<gl::Instance> near, far;
   for (std::size_t k = 0; k < balls.size(); ++k) {
     const Ball& ball = balls[k];
-    programs.ball.set("model", model_matrix(ball.pose, ball.radius, parts.front().placement));
-    programs.ball.set("self", casters.balls[k]);
-    programs.ball.set("colour_a", Eigen::Vector3f(ball.colour.cast<float>()));
-    programs.ball.set("colour_b", Eigen::Vector3f(ball.second_colour.cast<float>()));
-    sphere.draw();
+    const double distance = (ball.pose.position - camera.eye).norm() - ball.radius;
+    const bool small = ball.radius * samples_a_radian < small_radius * distance;
+    (small ? far : near)
+        .push_back({model_matrix(ball.pose, ball.radius, parts.front().placement), ball.colour.cast<float>(),
+                    ball.second_colour.cast<float>(), casters.balls[k]});
   }
+  programs.ball.use();
+  sphere.draw(near);
+  small_sphere.draw(far);
 }
 
 void Renderer::Gpu::draw_solids(const FrameScene& scene) {
-  programs.plain.use();
-  for (auto& entry : solids) entry.second.is_used = false;
+  std::map<const Mesh*, std::vector<gl::Instance>> instances;
+  std::vector<const Mesh*> order;  // of the scene, so that pictures do not depend on addresses
   for (std::size_t k = 0; k < scene.solids.size(); ++k) {
     const Solid& solid = scene.solids[k];
-    auto [at, is_new] = solids.try_emplace(solid.mesh.get());
-    if (is_new) at->second = {solid.mesh, gl::VertexArray(*solid.mesh)};
-    at->second.is_used = true;
-    programs.plain.set("model", model_matrix(solid.pose, 1, parts.front().placement));
-    programs.plain.set("self", casters.solids[k]);
-    programs.plain.set("colour_a", Eigen::Vector3f(solid.colour.cast<float>()));
-    at->second.triangles.draw();
+    auto& bodies = instances[solid.mesh.get()];
+    if (bodies.empty()) order.push_back(solid.mesh.get());
+    bodies.push_back({model_matrix(solid.pose, 1, parts.front().placement), solid.colour.cast<float>(),
+                      Eigen::Vector3f::Zero(), casters.solids[k]});
+    if (!solids.contains(solid.mesh.get()))
+      solids.emplace(solid.mesh.get(), UploadedMesh{solid.mesh, gl::VertexArray(*solid.mesh)});
   }
-  std::erase_if(solids, [](const auto& entry) { return !entry.second.is_used; });
+  std::erase_if(solids, [&](const auto& entry) { return !instances.contains(entry.first); });
+  programs.plain.use();
+  for (const Mesh* mesh : order) solids.at(mesh).triangles.draw(instances[mesh]);
 }
 
 void Renderer::Gpu::draw_pen(const Pen& shown) {
@@ -348,10 +380,10 @@ void Renderer::Gpu::draw_pen(const Pen& shown) {
     pen = gl::VertexArray(pen_mesh(shown.length, shown.radius));
     pen_size = size;
   }
+  const gl::Instance here{model_matrix(pen_pose(shown), 1, parts.front().placement),
+                          shown.colour.cast<float>()};
   programs.pen.use();
-  programs.pen.set("model", model_matrix(pen_pose(shown), 1, parts.front().placement));
-  programs.pen.set("colour_a", Eigen::Vector3f(shown.colour.cast<float>()));
-  pen.draw();
+  pen.draw({&here, 1});
 }
 
 void Renderer::Gpu::resolve(const Background& background) {

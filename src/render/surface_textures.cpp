@@ -215,6 +215,7 @@ std::vector<ColourLevel> colour_levels(const Image8& srgb) {
 
 namespace {
 
+constexpr gl::TextureFormat fraction = {GL_R16, GL_RED, GL_UNSIGNED_SHORT};
 constexpr gl::TextureFormat ten_bits = {GL_RGB10_A2, GL_RGBA, GL_UNSIGNED_INT_2_10_10_10_REV};
 
 std::vector<std::uint16_t> to_depth_fractions(const std::vector<float>& z) {
@@ -276,27 +277,8 @@ Result<SurfaceTextures> SurfaceTextures::create(const surface::Surface& surface)
         fmt::format("a texture of {} x {} texels is too large to draw", surface.width(), surface.height()),
         fmt::format("this driver draws textures up to {} texels wide and high", limit - border));
   }
-  constexpr gl::TextureFormat fraction = {GL_R16, GL_RED, GL_UNSIGNED_SHORT};
   SurfaceTextures result;
-  const HeightLevels heights = make_height_levels(surface);
-  result.heights = gl::Texture(heights.levels[0].width, heights.levels[0].height, fraction, nullptr);
-  // Shaders sample one level at a time, so there is no filtering between levels.
-  result.heights.set_filter(GL_LINEAR_MIPMAP_NEAREST, GL_LINEAR);
-  int at = 0;
-  for (const HeightGrid& level : heights.levels) {
-    result.heights.set_level(at++, level.width, level.height, fraction, to_depth_fractions(level.z).data());
-    result.bytes += 2 * level.z.size();
-  }
-  // Level 0 is omitted: intersecting a cell's patch costs no more than testing its bound.
-  const HeightPyramid pyramid = height_bounds(heights, surface.width() + 2, surface.height() + 2);
-  const auto& blocks = pyramid.levels[1];
-  result.bounds = gl::Texture(blocks.width, blocks.height, fraction, nullptr);
-  result.bounds.set_filter(GL_NEAREST_MIPMAP_NEAREST, GL_NEAREST);
-  for (auto level = pyramid.levels.begin() + 1; level != pyramid.levels.end(); ++level) {
-    result.bounds.set_level(result.pyramid_levels++, level->width, level->height, fraction,
-                            to_depth_fractions(level->z).data());
-    result.bytes += 2 * level->z.size();
-  }
+  result.upload_heights(surface);
   result.normals =
       mipmapped(surface.width(), surface.height(), ten_bits, pack_normals(surface).data(), surface.edge());
   result.colour = colour_texture(surface);
@@ -305,6 +287,29 @@ Result<SurfaceTextures> SurfaceTextures::create(const surface::Surface& surface)
   const std::size_t coloured = surface.colour().data.size() / 3;
   result.bytes += (4 * texels + 4 * coloured) * 4 / 3;
   return result;
+}
+
+// The fields on their way to the device are larger than all textures; they are gone at the end.
+void SurfaceTextures::upload_heights(const surface::Surface& surface) {
+  const HeightLevels fields = make_height_levels(surface);
+  heights = gl::Texture(fields.levels[0].width, fields.levels[0].height, fraction, nullptr);
+  // Shaders sample one level at a time, so there is no filtering between levels.
+  heights.set_filter(GL_LINEAR_MIPMAP_NEAREST, GL_LINEAR);
+  int at = 0;
+  for (const HeightGrid& level : fields.levels) {
+    heights.set_level(at++, level.width, level.height, fraction, to_depth_fractions(level.z).data());
+    bytes += 2 * level.z.size();
+  }
+  // Level 0 is omitted: intersecting a cell's patch costs no more than testing its bound.
+  const HeightPyramid pyramid = height_bounds(fields, surface.width() + 2, surface.height() + 2);
+  const auto& blocks = pyramid.levels[1];
+  bounds = gl::Texture(blocks.width, blocks.height, fraction, nullptr);
+  bounds.set_filter(GL_NEAREST_MIPMAP_NEAREST, GL_NEAREST);
+  for (auto level = pyramid.levels.begin() + 1; level != pyramid.levels.end(); ++level) {
+    bounds.set_level(pyramid_levels++, level->width, level->height, fraction,
+                     to_depth_fractions(level->z).data());
+    bytes += 2 * level->z.size();
+  }
 }
 
 }  // namespace intaglio::render

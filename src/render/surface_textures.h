@@ -89,6 +89,9 @@ struct SurfaceTextures {
   std::size_t bytes = 0;  // total
 
   static Result<SurfaceTextures> create(const surface::Surface& surface);
+
+ private:
+  void upload_heights(const surface::Surface& surface);
 };
 
 }  // namespace intaglio::render

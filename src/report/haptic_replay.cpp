@@ -13,7 +13,7 @@
 namespace intaglio::report {
 
 Result<haptics::HapticLog> read_haptic_log(const std::filesystem::path& path) {
-  const auto bytes = read_file(path);
+  const auto bytes = read_file(path, 1u << 30);
   if (!bytes) return tl::unexpected(bytes.error());
   auto log =
       haptics::decode_log({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path.string());

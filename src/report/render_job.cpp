@@ -162,8 +162,11 @@ Result<void> Rendering::prepare() {
   auto surface = scene::make_surface(scene_);
   if (!surface) return tl::unexpected(surface.error());
   surface_ = std::move(*surface);
-  progress_.update(0, "modal analysis");
-  auto simulation = session::Simulation::create(scene_, surface_);
+  scene::VoiceOptions voices;
+  voices.progress = [&](int done, int all) {
+    progress_.update(0, fmt::format("modal analysis {} of {}", done + 1, all));
+  };
+  auto simulation = session::Simulation::create(scene_, surface_, voices);
   if (!simulation) return tl::unexpected(simulation.error());
   simulation_ = std::move(*simulation);
   auto renderer = scene::make_renderer(scene_, surface_);

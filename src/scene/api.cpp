@@ -52,6 +52,9 @@ Scene Scene::with_representation(Representation representation) const {
 Scene Scene::with_texture(const std::string& texture) const {
   return changed(*impl_, [&](scene::Scene& scene) { scene::put_texture(scene.surface, texture); });
 }
+Scene Scene::with_allowed_memory(std::uint64_t bytes) const {
+  return changed(*impl_, [&](scene::Scene& scene) { scene.allowed_memory = bytes; });
+}
 Scene Scene::with_picture(int width, int height, int fps) const {
   return changed(*impl_, [&](scene::Scene& scene) {
     scene.video.width = width;

@@ -1,5 +1,6 @@
 #include "scene/picture.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -7,6 +8,7 @@
 #include <tuple>
 
 #include "contact/shape.h"
+#include "core/hash.h"
 #include "core/portable_math.h"
 #include "intaglio/representation.h"
 
@@ -60,12 +62,25 @@ void ScenePicture::add_body(std::size_t k, const std::vector<SceneSurface>& reli
       box != nullptr && !reliefs.empty() && scene_.surface.representation == Representation::relief;
   render::Solid solid;
   solid.pose = body.body.pose;
-  solid.mesh =
-      std::make_shared<const render::Mesh>(has_core ? core_mesh(*box, reliefs) : shape_mesh(body.body.shape));
+  solid.mesh = shared(has_core ? core_mesh(*box, reliefs) : shape_mesh(body.body.shape));
   solid.colour = body.colour;
   solid.shadow_radius = shadow;
   drawing.solid = solids_.size();
   solids_.push_back(std::move(solid));
+}
+
+// Equal meshes are one: a thousand letters A are drawn together.
+std::shared_ptr<const render::Mesh> ScenePicture::shared(render::Mesh mesh) {
+  const auto bytes = [](const auto& list) { return std::as_bytes(std::span(list)); };
+  const auto equal = [&](const auto& a, const auto& b) { return std::ranges::equal(bytes(a), bytes(b)); };
+  Hash hash;
+  for (const auto part : {bytes(mesh.vertices), bytes(mesh.indices)})
+    hash.add_bytes(part.data(), part.size());
+  const auto [first, last] = meshes_.equal_range(hash.value());
+  for (auto at = first; at != last; ++at)
+    if (equal(at->second->vertices, mesh.vertices) && equal(at->second->indices, mesh.indices))
+      return at->second;
+  return meshes_.emplace(hash.value(), std::make_shared<const render::Mesh>(std::move(mesh)))->second;
 }
 
 render::FrameScene ScenePicture::frame(std::span<const Pose> balls, std::span<const Pose> bodies,
@@ -126,8 +141,9 @@ Result<std::unique_ptr<render::Renderer>> make_renderer(const Scene& scene, cons
   options.roughness = surface.roughness;
   auto renderer = render::Renderer::create(*surface.surface, options);
   if (!renderer) return tl::unexpected(renderer.error());
-  if (auto shown = (*renderer)->show(surface_parts(scene, surface)); !shown)
-    return tl::unexpected(shown.error());
+  const auto parts = surface_parts(scene, surface);
+  if (parts.size() == 1) return std::move(*renderer);  // it shows the floor already
+  if (auto shown = (*renderer)->show(parts); !shown) return tl::unexpected(shown.error());
   return std::move(*renderer);
 }
 

@@ -1,6 +1,8 @@
 // Turns a scene and its bodies' poses into a render::FrameScene, for videos and the window alike.
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -27,8 +29,10 @@ class ScenePicture {
 
  private:
   void add_body(std::size_t k, const std::vector<SceneSurface>& reliefs);
+  std::shared_ptr<const render::Mesh> shared(render::Mesh mesh);
 
   Scene scene_;
+  std::multimap<std::uint64_t, std::shared_ptr<const render::Mesh>> meshes_;  // by the hash of their bytes
   std::vector<render::Solid> solids_;  // bodies at their start, then the backs of curved grounds
   std::vector<render::FrameScene::PartPose> part_poses_;
   // Indices of a body's drawings in the two lists above.

@@ -168,11 +168,12 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name) {
   return scene;
 }
 
-Result<Scene> read_scene(const std::filesystem::path& path) {
+Result<Scene> read_scene(const std::filesystem::path& path, std::uint64_t allowed_memory) {
   const auto bytes = read_file(path, 16u << 20);
   if (!bytes) return tl::unexpected(bytes.error());
   auto scene = parse_scene({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path.string());
   if (!scene) return scene;
+  scene->allowed_memory = allowed_memory;
   // Paths that do not exist relative to the working folder are tried relative to the scene file.
   const auto find = [&](std::string& file) {
     std::error_code ignored;

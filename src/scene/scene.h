@@ -13,6 +13,7 @@
 #include "intaglio/error.h"
 #include "intaglio/event.h"
 #include "intaglio/material.h"
+#include "intaglio/memory.h"
 #include "intaglio/representation.h"
 #include "intaglio/vec.h"
 #include "sound/synthesizer.h"
@@ -125,6 +126,8 @@ struct Scene {
   VideoSettings video;
   CameraSettings camera;
   Vec3 light = Vec3(-0.55, 0.75, -0.35);  // towards the light
+  // Bytes (cost.h); no key of a scene file, which must not raise its own budget.
+  std::uint64_t allowed_memory = default_allowed_memory;
 
   // Bodies are numbered from 1: balls, then the other bodies, then the pen.
   static BodyId ball_id(std::size_t k) { return BodyId(k + 1); }
@@ -138,8 +141,9 @@ Quat rotation_of(const Vec3& degrees);
 // Replaces the texture and clears the settings that belonged to the old one (depth, signs, line).
 void put_texture(SurfaceSettings& surface, const std::string& texture);
 
-// Reads a scene from text; `name` is used as the file name in errors.
+// Reads a scene from text; `name` is used as the file name in errors. `allowed_memory` becomes the scene's.
 Result<Scene> parse_scene(std::string_view text, const std::string& name);
-Result<Scene> read_scene(const std::filesystem::path& path);
+Result<Scene> read_scene(const std::filesystem::path& path,
+                         std::uint64_t allowed_memory = default_allowed_memory);
 
 }  // namespace intaglio::scene

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <variant>
 
@@ -12,6 +13,7 @@
 #include "mesh/api.h"
 #include "mesh/mesh_file.h"
 #include "mesh/triangle_mesh.h"
+#include "scene/cost.h"
 #include "surface/import.h"
 #include "surface/maps.h"
 #include "surface/recipes/builtin.h"
@@ -20,56 +22,102 @@ namespace intaglio::scene {
 
 namespace {
 
-// The texture on a rectangle; `base` is ignored.
-Result<SceneSurface> build_flat(const SurfaceSettings& from) {
-  SceneSurface out;
-  out.material = *find_material("brick");
-  surface::Texels texels;
-  double depth = 0;
-  auto recipe = surface::find_recipe(from.texture);
-  if (!recipe) return tl::unexpected(recipe.error());
-  if (*recipe) {
-    const surface::BuiltinMaterial& about = (*recipe)->about;
-    texels = surface::to_texels(surface::make_texture(**recipe, surface::default_texture_size));
-    out.material = about.material;
-    out.roughness = about.roughness;
-    depth = about.depth_fraction * from.size.x();
-    if (from.depth) surface::rescale_normals(texels.normal, *from.depth / depth);
-    depth = from.depth.value_or(depth);
-  } else {
-    surface::ImportOptions options;
-    options.green = from.green;
-    options.polarity = from.polarity;
-    options.mode = from.mode;
-    options.edge = from.edge;
-    if (from.depth) options.depth_fraction = *from.depth / from.size.x();
-    auto imported = surface::import_texture(from.texture, options);
-    if (!imported) return tl::unexpected(imported.error());
-    out.notes = imported->notes;
-    for (const std::string& warning : imported->warnings) out.notes.push_back("warning: " + warning);
-    depth = imported->depth_fraction * from.size.x();
-    texels = std::move(imported->texels);
-  }
-  if (from.material) out.material = *from.material;
-  if (texels.depth.empty() && from.representation == Representation::relief) {
-    return fail(from.texture, "has normals but no depth",
-                "take maps = \"fused\", give a height map too, or use --representation normal");
-  }
-  const surface::Placement placement(from.position, rotation_of(from.rotation), from.size.x(), from.size.y());
-  out.surface = std::make_shared<const surface::Surface>(std::move(texels), placement, depth, from.edge);
+// A texture as the surfaces of a scene share it: its texels, on a rectangle of no meaning.
+struct Texture {
+  surface::Surface surface;
+  double depth_fraction = 0;   // full depth over the width
+  bool has_own_depth = false;  // in metres: the depth that the scene gives is exact
+  Material material = *find_material("brick");
+  double roughness = SceneSurface().roughness;
+  std::vector<std::string> notes;
+};
+
+surface::Surface unplaced(surface::Texels texels, surface::Edge edge) {
+  return {std::move(texels), {Vec3::Zero(), Quat::Identity(), 1, 1}, 0, edge};
+}
+
+Result<Texture> generated(const surface::Recipe& recipe, const SurfaceSettings& from) {
+  const surface::BuiltinMaterial& about = recipe.about;
+  surface::Texels texels = surface::to_texels(surface::make_texture(recipe, surface::default_texture_size));
+  if (from.depth)
+    surface::rescale_normals(texels.normal, *from.depth / (about.depth_fraction * from.size.x()));
+  return Texture{.surface = unplaced(std::move(texels), from.edge),
+                 .depth_fraction = about.depth_fraction,
+                 .has_own_depth = from.depth.has_value(),
+                 .material = about.material,
+                 .roughness = about.roughness,
+                 .notes = {}};
+}
+
+Result<Texture> imported(const SurfaceSettings& from, std::uint64_t allowed_memory) {
+  surface::ImportOptions options;
+  options.green = from.green;
+  options.polarity = from.polarity;
+  options.mode = from.mode;
+  options.edge = from.edge;
+  options.allowed_memory = allowed_memory;
+  if (from.depth) options.depth_fraction = *from.depth / from.size.x();
+  auto read = surface::import_texture(from.texture, options);
+  if (!read) return tl::unexpected(read.error());
+  Texture out{.surface = unplaced(std::move(read->texels), from.edge),
+              .depth_fraction = read->depth_fraction,
+              .notes = std::move(read->notes)};
+  for (const std::string& warning : read->warnings) out.notes.push_back("warning: " + warning);
   return out;
 }
 
-Result<SceneSurface> build_surface(const SurfaceSettings& from) {
+// Makes each texture of a scene once: a hundred grounds of one texture share its texels.
+class Textures {
+ public:
+  explicit Textures(std::uint64_t allowed_memory) : allowed_memory_(allowed_memory) {}
+
+  std::uint64_t allowed_memory() const { return allowed_memory_; }
+
+  // The texture on a rectangle; `base` is ignored.
+  Result<SceneSurface> place(const SurfaceSettings& from) {
+    const auto found = find(from);
+    if (!found) return tl::unexpected(found.error());
+    const Texture& texture = **found;
+    if (!texture.surface.has_depth() && from.representation == Representation::relief) {
+      return fail(from.texture, "has normals but no depth",
+                  "take maps = \"fused\", give a height map too, or use --representation normal");
+    }
+    SceneSurface out;
+    out.material = from.material.value_or(texture.material);
+    out.roughness = texture.roughness;
+    out.notes = texture.notes;
+    const surface::Placement placement(from.position, rotation_of(from.rotation), from.size.x(),
+                                       from.size.y());
+    const double depth = texture.has_own_depth ? *from.depth : texture.depth_fraction * from.size.x();
+    out.surface = std::make_shared<const surface::Surface>(texture.surface.placed(placement, depth));
+    return out;
+  }
+
+ private:
+  Result<std::shared_ptr<const Texture>> find(const SurfaceSettings& from) {
+    auto& texture = made_[texture_key(from)];
+    if (texture) return texture;
+    const auto recipe = surface::find_recipe(from.texture);
+    if (!recipe) return tl::unexpected(recipe.error());
+    auto made = *recipe ? generated(**recipe, from) : imported(from, allowed_memory_);
+    if (!made) return tl::unexpected(made.error());
+    return texture = std::make_shared<const Texture>(std::move(*made));
+  }
+
+  std::uint64_t allowed_memory_;
+  std::map<TextureKey, std::shared_ptr<const Texture>> made_;
+};
+
+Result<SceneSurface> build_surface(const SurfaceSettings& from, Textures& textures) {
   SurfaceSettings measured = from;
   std::optional<surface::MeshPlacement> base;
   if (from.base) {
-    auto made = make_base(*from.base, {from.position, rotation_of(from.rotation)});
+    auto made = make_base(*from.base, {from.position, rotation_of(from.rotation)}, textures.allowed_memory());
     if (!made) return tl::unexpected(with_where(from.base->line, made.error()));
     measured.size = surface::texture_size(made->mesh());
     base = std::move(*made);
   }
-  auto out = build_flat(measured);
+  auto out = textures.place(measured);
   if (!out) return tl::unexpected(with_where(from.line, out.error()));
   if (!base) return out;
   auto curved = surface::ReliefMesh::make(out->surface, std::move(*base));
@@ -79,11 +127,11 @@ Result<SceneSurface> build_surface(const SurfaceSettings& from) {
 }
 
 // Fails when the reliefs of a box would meet inside it.
-Result<std::vector<SceneSurface>> make_reliefs(const BodySettings& body) {
+Result<std::vector<SceneSurface>> make_reliefs(const BodySettings& body, Textures& textures) {
   std::vector<SceneSurface> out;
   double depth = 0;
   for (const SurfaceSettings& relief : body.reliefs) {
-    auto made = build_surface(relief);
+    auto made = build_surface(relief, textures);
     if (!made) return tl::unexpected(made.error());
     if (!made->curved) {
       depth += made->surface->max_depth();
@@ -104,6 +152,12 @@ Result<std::vector<SceneSurface>> make_reliefs(const BodySettings& body) {
 
 }  // namespace
 
+TextureKey texture_key(const SurfaceSettings& from) {
+  std::optional<std::array<double, 2>> depth;
+  if (from.depth) depth = {*from.depth, from.size.x()};
+  return {from.texture, from.green, from.polarity, from.edge, from.mode, depth};
+}
+
 dynamics::ShapeBody textured(const BodySettings& body, const std::vector<SceneSurface>& reliefs) {
   dynamics::ShapeBody out = body.body;
   for (const SceneSurface& relief : reliefs) {
@@ -117,16 +171,18 @@ dynamics::ShapeBody textured(const BodySettings& body, const std::vector<SceneSu
 }
 
 Result<SceneSurface> make_surface(const Scene& scene) {
-  auto floor = build_surface(scene.surface);
+  if (auto fits = check_cost(scene, Use::shown); !fits) return tl::unexpected(fits.error());
+  Textures textures(scene.allowed_memory);
+  auto floor = build_surface(scene.surface, textures);
   if (!floor) return floor;
   for (const SurfaceSettings& ground : scene.grounds) {
-    auto made = build_surface(ground);
+    auto made = build_surface(ground, textures);
     if (!made) return made;
     floor->grounds.push_back(std::move(*made));
   }
   if (auto checked = check_contact_cost(scene, *floor); !checked) return tl::unexpected(checked.error());
   for (const BodySettings& body : scene.bodies) {
-    auto made = make_reliefs(body);
+    auto made = make_reliefs(body, textures);
     if (!made) return tl::unexpected(made.error());
     floor->reliefs.push_back(std::move(*made));
   }
@@ -141,7 +197,7 @@ int pieces(int wanted, double repeat) {
   return times * ((wanted + times - 1) / times);
 }
 
-Result<surface::TriangleMesh> mesh_of(const BaseSettings& base) {
+Result<surface::TriangleMesh> mesh_of(const BaseSettings& base, std::uint64_t allowed_memory) {
   const int around = pieces(64, base.repeat.x()), up = pieces(32, base.repeat.y());
   switch (base.shape) {
     case BaseSettings::Shape::cylinder:
@@ -149,7 +205,7 @@ Result<surface::TriangleMesh> mesh_of(const BaseSettings& base) {
     case BaseSettings::Shape::sphere:
       return surface::make_sphere(base.radius, around, up);
     case BaseSettings::Shape::mesh:
-      return surface::read_mesh(base.file);
+      return surface::read_mesh(base.file, {surface::MeshUse::texture, allowed_memory});
     default:
       return surface::make_bowl(base.radius, around, up);
   }
@@ -157,8 +213,9 @@ Result<surface::TriangleMesh> mesh_of(const BaseSettings& base) {
 
 }  // namespace
 
-Result<surface::MeshPlacement> make_base(const BaseSettings& base, const Pose& pose) {
-  auto mesh = mesh_of(base);
+Result<surface::MeshPlacement> make_base(const BaseSettings& base, const Pose& pose,
+                                         std::uint64_t allowed_memory) {
+  auto mesh = mesh_of(base, allowed_memory);
   if (!mesh) return tl::unexpected(mesh.error());
   for (Vec2& uv : mesh->uvs) uv = uv.cwiseProduct(base.repeat);
   return surface::MeshPlacement::make(surface::moved(std::move(*mesh), pose),

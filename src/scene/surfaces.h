@@ -1,9 +1,11 @@
 // Builds the surfaces of a scene: floor, grounds and body reliefs, flat or on curved bases.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "intaglio/error.h"
@@ -30,12 +32,19 @@ struct SceneSurface {
 // The physics body with its reliefs attached.
 dynamics::ShapeBody textured(const BodySettings& body, const std::vector<SceneSurface>& reliefs);
 
-// The floor with all grounds and bodies' reliefs. Some 0.1 s per 512 x 512 texture.
+// All that the texels of a surface depend on: surfaces with equal keys share them.
+using TextureKey = std::tuple<std::string, std::optional<surface::Green>, std::optional<surface::Polarity>,
+                              surface::Edge, surface::ImportMode, std::optional<std::array<double, 2>>>;
+TextureKey texture_key(const SurfaceSettings& surface);
+
+// The floor with all grounds and bodies' reliefs. Some 0.1 s per different 512 x 512 texture. Fails when the
+// scene would need more memory than it is allowed (cost.h).
 Result<SceneSurface> make_surface(const Scene& scene);
 
 // The base mesh at `pose`, its texture coordinates scaled by `repeat`; triangle edges fall on the texture's
 // borders. A mesh file is taken as it is.
-Result<surface::MeshPlacement> make_base(const BaseSettings& base, const Pose& pose);
+Result<surface::MeshPlacement> make_base(const BaseSettings& base, const Pose& pose,
+                                         std::uint64_t allowed_memory = default_allowed_memory);
 
 // Texels of a curved relief that a ball of `radius` metres covers: those under the spherical cap whose height
 // is the relief's depth d. A cap of a sphere of radius R has area 2 pi R d (Archimedes); the base's curvature

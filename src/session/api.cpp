@@ -6,6 +6,7 @@
 #include "core/output_files.h"
 #include "render/renderer.h"
 #include "scene/api.h"
+#include "scene/cost.h"
 #include "scene/picture.h"
 #include "session/simulation.h"
 #include "session/video.h"
@@ -25,6 +26,7 @@ FrameState frame_of(const session::Snapshot& from) {
 
 Result<Recording> simulate(const Scene& scene, const SimulateOptions& options) {
   const scene::Scene& from = scene.impl().scene;
+  if (auto fits = scene::check_cost(from, scene::Use::kept); !fits) return tl::unexpected(fits.error());
   auto surface = scene::make_surface(from);
   if (!surface) return tl::unexpected(surface.error());
   auto simulation = session::Simulation::create(from, *surface);

@@ -7,6 +7,7 @@
 #include "core/clock.h"
 #include "haptics/passivity.h"
 #include "intaglio/vec.h"
+#include "scene/cost.h"
 #include "sound/synthesizer.h"
 
 namespace intaglio::session {
@@ -204,6 +205,7 @@ Result<Recording> play(const scene::Scene& scene, const scene::SceneSurface& sur
 }
 
 Result<Recording> play(const scene::Scene& scene) {
+  if (auto fits = scene::check_cost(scene, scene::Use::kept); !fits) return tl::unexpected(fits.error());
   const auto surface = scene::make_surface(scene);
   if (!surface) return tl::unexpected(surface.error());
   return play(scene, *surface);

@@ -1,7 +1,10 @@
 #include "sound/ensemble.h"
 
 #include <algorithm>
+#include <array>
+#include <map>
 #include <numbers>
+#include <utility>
 
 #include "sound/modal_bank.h"
 
@@ -17,11 +20,9 @@ const Material& material_of(const SoundBody& body) {
 
 }  // namespace
 
-Ensemble::Member::Member(SoundBody b, const SynthesizerOptions& options)
-    : body(std::move(b)),
-      pose(body.rest_pose),
-      source(body.rest_pose.position),
-      micro(std::make_shared<MicroNoise>(material_of(body).micro, options.seed)) {
+Ensemble::Member::Member(SoundBody b, const SynthesizerOptions& options,
+                         std::shared_ptr<const MicroNoise> noise)
+    : body(std::move(b)), pose(body.rest_pose), source(body.rest_pose.position), micro(std::move(noise)) {
   if (!body.model) return;
   std::vector<Resonator> modes = ModalBank::resonators(*body.model, options.sample_rate);
   model_modes = int(modes.size());
@@ -33,8 +34,15 @@ Ensemble::Member::Member(SoundBody b, const SynthesizerOptions& options)
 
 std::vector<Ensemble::Member> Ensemble::members(std::vector<SoundBody> bodies,
                                                 const SynthesizerOptions& options) {
+  // Bodies of one roughness share its table of 0.4 MB.
+  std::map<std::array<double, 3>, std::shared_ptr<const MicroNoise>> noises;
   std::vector<Member> all;
-  for (SoundBody& body : bodies) all.emplace_back(std::move(body), options);
+  for (SoundBody& body : bodies) {
+    const MicroRoughness& micro = material_of(body).micro;
+    auto& noise = noises[{micro.rms_height, micro.correlation_length, micro.spectral_slope}];
+    if (!noise) noise = std::make_shared<const MicroNoise>(micro, options.seed);
+    all.emplace_back(std::move(body), options, noise);
+  }
   return all;
 }
 

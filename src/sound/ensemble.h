@@ -57,7 +57,7 @@ class Ensemble {
 
  private:
   struct Member {
-    Member(SoundBody b, const SynthesizerOptions& options);
+    Member(SoundBody b, const SynthesizerOptions& options, std::shared_ptr<const MicroNoise> noise);
     int padded_modes() const { return bank.empty() ? 0 : bank[0].padded_modes(); }
 
     SoundBody body;

@@ -20,6 +20,7 @@ surface::Edge edge_of(const SurfaceOptions& options) {
 
 surface::ImportOptions import_options(const SurfaceOptions& options) {
   surface::ImportOptions out;
+  out.allowed_memory = options.allowed_memory;
   if (options.green)
     out.green = *options.green == GreenChannel::plus_y ? surface::Green::plus_y : surface::Green::minus_y;
   if (options.white)

@@ -226,14 +226,18 @@ Solution solve(const Problem& problem) {
 
 }  // namespace
 
-Fused fuse(const FuseInput& input) {
+Fused fuse(FuseInput input) {
+  const int width = input.slopes.x.width, height = input.slopes.x.height;
+  const Vec2 mean_slope(mean(input.slopes.x), mean(input.slopes.y));
   Problem problem = transformed(input);
   if (!input.height.empty()) fit_to_height(input, problem);
+  input = {};  // the maps are no longer needed, and memory is shortest in solve()
   Solution solution = solve(problem);
+  problem.packed = {};
+  problem.h0 = {};
   const PaddedTile& tile = problem.tile;
   fft2(solution.height, tile.width, tile.height, Transform::inverse);
   fft2(solution.slopes, tile.width, tile.height, Transform::inverse);
-  const int width = input.slopes.x.width, height = input.slopes.x.height;
   Fused out{Field(width, height), {Field(width, height), Field(width, height)}};
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
@@ -245,8 +249,8 @@ Fused fuse(const FuseInput& input) {
   }
   out.lambda = problem.lambda;
   out.curl = solution.curl;
-  out.mean_slope_x = mean(input.slopes.x);
-  out.mean_slope_y = mean(input.slopes.y);
+  out.mean_slope_x = mean_slope.x();
+  out.mean_slope_y = mean_slope.y();
   return out;
 }
 
@@ -288,11 +292,11 @@ Placement moved_up(const Placement& place, double by) {
 }  // namespace
 
 ImpliedRelief implied_relief(const Surface& map) {
-  const TexelSteps steps = texel_steps(map);
+  TexelSteps steps = texel_steps(map);
   FuseInput input;
-  input.slopes = steps.slopes;  // metres per texel, so that fuse() gives metres
+  input.slopes = std::move(steps.slopes);  // metres per texel, so that fuse() gives metres
   input.edge = map.edge() == Edge::wrap ? FuseEdge::periodic : FuseEdge::mirrored;
-  Field height = fuse(input).height;
+  Field height = fuse(std::move(input)).height;
 
   ImpliedRelief out;
   const Vec2 mean(steps.mean.x() / map.texel_u(), steps.mean.y() / map.texel_v());

@@ -67,7 +67,7 @@ struct Fused {
   double mean_slope_x = 0, mean_slope_y = 0;
 };
 
-Fused fuse(const FuseInput& input);
+Fused fuse(FuseInput input);
 
 // Noise power of slopes from normals whose three components are rounded to `step`, each with variance step^2
 // / 12. With L^2 = 1 + p^2 + q^2 = 1 / n_z^2, the slope p = -n_x / n_z has the derivatives 1 / n_z by n_x and

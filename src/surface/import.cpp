@@ -102,8 +102,7 @@ fs::path companion_file(const fs::path& image, Role role) {
 
 // The maps of a texture, decoded but not yet interpreted.
 struct SourceMaps {
-  DecodedImage normal, height;  // without pixels: none; the height may be the normal map's alpha channel
-  int height_channel = 0;
+  DecodedImage normal, height;  // without pixels: none; the height may be the normal map's alpha
   ImportReport report;
 };
 
@@ -111,8 +110,12 @@ void take_alpha_as_height(SourceMaps& source) {
   if (source.normal.pixels.empty() || source.normal.pixels.channels != 4 ||
       is_constant(source.normal.pixels, 3))
     return;
-  source.height = source.normal;
-  source.height_channel = source.report.height_channel = 3;
+  const Pixels& from = source.normal.pixels;
+  source.height.pixels = Pixels(from.width, from.height, 1);
+  for (std::size_t k = 0; k < source.height.pixels.data.size(); ++k)
+    source.height.pixels.data[k] = from.data[4 * k + 3];
+  source.height.bit_depth = source.normal.bit_depth;
+  source.report.height_channel = 3;
   source.report.height_file = source.report.normal_file;
 }
 
@@ -162,22 +165,30 @@ std::string name_of(const fs::path& path) {
 // Interprets the maps of one texture.
 class Importer {
  public:
-  Importer(SourceMaps source, const ImportOptions& options) : source_(std::move(source)), options_(options) {
-    out_.report = source_.report;
-  }
-
-  Imported run() {
+  // Frees each map as soon as it is read: pixels are larger than what is kept of them.
+  Importer(SourceMaps source, const ImportOptions& options)
+      : options_(options),
+        has_normals_(!source.normal.pixels.empty()),
+        has_height_(!source.height.pixels.empty()) {
+    out_.report = std::move(source.report);
     if (has_normals()) {
-      MapSlopes read = read_slopes(source_.normal.pixels);
+      MapSlopes read = read_slopes(source.normal.pixels);
       slopes_ = std::move(read.slopes);
       out_.report.clamped_normals = read.clamped;
     }
+    source.normal.pixels = {};
+    if (has_height()) height_ = read_height(source.height.pixels, 0);
+  }
+
+  Imported run() {
     if (has_height()) {
-      height_ = read_height(source_.height.pixels, source_.height_channel);
       if (stretch_to_unit_range(height_)) note("height values outside 0..1 were rescaled to 0..1");
       if (has_normals() && (height_.width != slopes_.x.width || height_.height != slopes_.x.height))
         resample_height();
     }
+    const Field& size = has_normals() ? slopes_.x : height_;
+    out_.texels.width = size.width;
+    out_.texels.height = size.height;
     apply_conventions();
     choose_depth();
     if (options_.mode == ImportMode::fused && has_normals()) {
@@ -185,15 +196,12 @@ class Importer {
     } else {
       keep_maps();
     }
-    out_.texels.width = size().width;
-    out_.texels.height = size().height;
     return std::move(out_);
   }
 
  private:
-  bool has_normals() const { return !source_.normal.pixels.empty(); }
-  bool has_height() const { return !source_.height.pixels.empty(); }
-  const Field& size() const { return has_normals() ? slopes_.x : height_; }
+  bool has_normals() const { return has_normals_; }
+  bool has_height() const { return has_height_; }
   void note(std::string line) { out_.notes.push_back(std::move(line)); }
   void warn(std::string line) { out_.warnings.push_back(std::move(line)); }
 
@@ -262,14 +270,14 @@ class Importer {
       return keep_height();
     }
     if (both) {
-      input.height = height_;
+      input.height = std::move(height_);
       scale(input.height, texels);
       input.height_step = texels * quantisation_step(out_.report.height_bits);
     }
     input.slopes = std::move(slopes_);
     input.normal_step = 2 * quantisation_step(out_.report.normal_bits);
     input.edge = options_.edge == Edge::wrap ? FuseEdge::periodic : FuseEdge::mirrored;
-    Fused fused = fuse(input);
+    Fused fused = fuse(std::move(input));
     out_.report.curl = fused.curl;
     out_.report.lambda = fused.lambda;
     out_.report.mean_slope_u = fused.mean_slope_x;
@@ -283,8 +291,8 @@ class Importer {
           "the normals have a mean tilt of {:.1f} degrees; removed, because a repeating tile cannot tilt",
           std::atan(tilt) * 180 / std::numbers::pi));
     out_.texels.normal = normals_of(fused.slopes);
+    fused.slopes = {};
     set_depth(fused.height, both ? texels : 0);
-    slopes_ = std::move(fused.slopes);
   }
 
   // Stores `height` (texels) as depth in fractions of its range, 0 at the top. `top` is the top of the height
@@ -326,8 +334,8 @@ class Importer {
     }
   }
 
-  SourceMaps source_;
   ImportOptions options_;
+  bool has_normals_, has_height_;
   Slopes slopes_;
   Field height_;
   bool agrees_ = false;
@@ -379,7 +387,33 @@ Image8 colour_image(const Image8& colour) {
 
 }  // namespace
 
+double TextureExtent::import_bytes(const ImportOptions& options) const {
+  // While the maps are fused: four spectra of 8 bytes (fuse.cpp), of a tile four times as large where it does
+  // not repeat, and 12 of fields. While the colour is read: 28 of texels, and its own floats and bytes.
+  const bool mirrored = options.mode == ImportMode::fused && options.edge == Edge::clamp;
+  return std::max((mirrored ? 130 : 38) * texels, 28 * texels + 19 * coloured);
+}
+
+double TextureExtent::surface_bytes() const {
+  return 12 * texels + 3 * coloured;
+}
+
+TextureExtent texture_extent(const fs::path& path, int generated_size) {
+  const double generated = double(generated_size) * generated_size;
+  if (const auto recipe = find_recipe(path.string()); !recipe || *recipe) return {generated, generated};
+  const auto files = find_texture_files(path);
+  if (!files) return {};
+  const auto pixels = [](const fs::path& file) {
+    return file.empty() ? 0.0 : double(read_image_size(file).pixels());
+  };
+  // A height is resampled to its normals' size.
+  return {files->normal.empty() ? pixels(files->height) : pixels(files->normal), pixels(files->colour)};
+}
+
 Result<Imported> import_texture(const fs::path& path, const ImportOptions& options) {
+  const MemoryCost cost("texture", texture_extent(path, options.generated_size).import_bytes(options));
+  if (auto fits = check_memory(path.string(), cost, options.allowed_memory); !fits)
+    return tl::unexpected(fits.error());
   const auto recipe = find_recipe(path.string());
   if (!recipe) return tl::unexpected(recipe.error());
   if (*recipe) {

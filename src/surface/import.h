@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/budget.h"
 #include "intaglio/error.h"
 #include "surface/recipes/builtin.h"
 #include "surface/surface.h"
@@ -32,7 +33,17 @@ struct ImportOptions {
   ImportMode mode = ImportMode::fused;
   Edge edge = Edge::wrap;    // whether the tile repeats, for the fusion
   int generated_size = 512;  // texels per side of a texture generated from a recipe, 64 to 8192
+  std::uint64_t allowed_memory = default_allowed_memory;  // bytes; a texture that needs more is refused
 };
+
+// How large a texture is, by the headers of its files alone; zero where they cannot be read.
+struct TextureExtent {
+  double texels = 0, coloured = 0;  // of its maps, and of its colour map
+
+  double import_bytes(const ImportOptions& options) const;  // the peak while it is imported
+  double surface_bytes() const;                             // as a Surface, afterwards
+};
+TextureExtent texture_extent(const std::filesystem::path& path, int generated_size);
 
 // The findings of an import. Correlations are 0 where there was only one map.
 struct ImportReport {

@@ -12,8 +12,7 @@ Surface::Surface(Texels texels, const Placement& placement, double max_depth, Ed
     : placement_(placement),
       grid_{texels.width, texels.height, edge},
       max_depth_(max_depth),
-      has_depth_(!texels.depth.empty()),
-      colour_(std::move(texels.colour)) {
+      has_depth_(!texels.depth.empty()) {
   assert(texels.width > 0 && texels.height > 0 && max_depth >= 0);
   assert(texels.normal.size() == grid_.size());
   assert(!has_depth_ || texels.depth.size() == grid_.size());
@@ -23,36 +22,44 @@ Surface::Surface(Texels texels, const Placement& placement, double max_depth, Ed
   for (const Vec3& n : texels.normal) normal.push_back(PackedNormal::pack(n));
   // Freed before the levels are built: they take six times the packed normals' memory.
   std::vector<Vec3>().swap(texels.normal);
-  tiles_ = TexelTiles(grid_, texels.depth, normal);
-  pyramid_ = Pyramid(texels.depth, grid_);
-  mips_ = Mips(grid_, texels.depth, normal);
+  contents_ = std::make_shared<const Contents>(
+      Contents{TexelTiles(grid_, texels.depth, normal), Pyramid(texels.depth, grid_),
+               Mips(grid_, texels.depth, normal), std::move(texels.colour)});
+}
+
+Surface Surface::placed(const Placement& placement, double max_depth) const {
+  Surface out = *this;
+  out.placement_ = placement;
+  out.max_depth_ = max_depth;
+  out.texels_per_metre_ = 1 / std::sqrt(out.texel_u() * out.texel_v());
+  return out;
 }
 
 std::size_t Surface::memory_bytes() const {
-  return sizeof *this + tiles_.memory_bytes() + pyramid_.memory_bytes() + mips_.memory_bytes() +
-         colour_.data.size();
+  return sizeof *this + tiles().memory_bytes() + pyramid().memory_bytes() + mips().memory_bytes() +
+         colour().data.size();
 }
 
 BilinearTaps Surface::taps(const Vec2& uv) const {
-  return {tiles_, uv.x() * width() - 0.5, uv.y() * height() - 0.5};
+  return {tiles(), uv.x() * width() - 0.5, uv.y() * height() - 0.5};
 }
 
 double Surface::depth_at(const BilinearTaps& at) const {
   if (!has_depth()) return 0;
-  const auto depth = [&](std::size_t k) { return max_depth_ * double(tiles_.depth(at.index[k])); };
+  const auto depth = [&](std::size_t k) { return max_depth_ * double(tiles().depth(at.index[k])); };
   const double low = depth(0) * (1 - at.x) + depth(1) * at.x, high = depth(2) * (1 - at.x) + depth(3) * at.x;
   return low * (1 - at.y) + high * at.y;
 }
 
 Vec3 Surface::normal_at(const BilinearTaps& at) const {
-  const auto unit = [&](std::size_t k) { return tiles_.normal(at.index[k]).unit(); };
+  const auto unit = [&](std::size_t k) { return tiles().normal(at.index[k]).unit(); };
   const Vec3 low = unit(0) * (1 - at.x) + unit(1) * at.x, high = unit(2) * (1 - at.x) + unit(3) * at.x;
   return (low * (1 - at.y) + high * at.y).normalized();
 }
 
 Vec2 Surface::gradient_at(const BilinearTaps& at) const {
   if (!has_depth()) return Vec2::Zero();
-  const Interpolated depth = at([&](std::size_t k) { return double(tiles_.depth(k)); });
+  const Interpolated depth = at([&](std::size_t k) { return double(tiles().depth(k)); });
   return {-max_depth_ * depth.d_x * grid_.width / placement_.size_u(),
           -max_depth_ * depth.d_y * grid_.height / placement_.size_v()};
 }
@@ -74,7 +81,7 @@ Vec2 Surface::gradient(const Vec2& uv) const {
 }
 
 Sample Surface::sample(const Vec2& uv, double footprint) const {
-  const Mips::LevelBlend blend = mips_.levels_for(footprint * texels_per_metre_);
+  const Mips::LevelBlend blend = mips().levels_for(footprint * texels_per_metre_);
   if (blend.level == 0 && blend.weight_of_next == 0) {
     const BilinearTaps at = taps(uv);
     return {depth_at(at), normal_at(at), gradient_at(at), 0};
@@ -96,8 +103,8 @@ Surface::Moments Surface::moments_at(int level, const Vec2& uv) const {
     const BilinearTaps at = taps(uv);
     return {depth_at(at), gradient_at(at), slope_of(normal_at(at)), 0};
   }
-  const Mips::Moments m = mips_.bilinear(level, uv);
-  const Grid& grid = mips_.grid(level);
+  const Mips::Moments m = mips().bilinear(level, uv);
+  const Grid& grid = mips().grid(level);
   const Vec2 per_metre(-max_depth_ * grid.width / placement_.size_u(),
                        -max_depth_ * grid.height / placement_.size_v());
   return {max_depth_ * m.depth, m.depth_slope.cwiseProduct(per_metre), m.slope, m.variance};
@@ -105,7 +112,7 @@ Surface::Moments Surface::moments_at(int level, const Vec2& uv) const {
 
 SmoothHeight Surface::smooth(const Vec2& uv, double footprint) const {
   if (!has_depth()) return {0, Vec2::Zero()};
-  const Mips::LevelBlend blend = mips_.levels_for(footprint * texels_per_metre_);
+  const Mips::LevelBlend blend = mips().levels_for(footprint * texels_per_metre_);
   SmoothHeight s = smooth_at_level(blend.level, uv);
   if (blend.weight_of_next > 0) {
     const SmoothHeight coarse = smooth_at_level(blend.level + 1, uv);
@@ -116,11 +123,11 @@ SmoothHeight Surface::smooth(const Vec2& uv, double footprint) const {
 }
 
 SmoothHeight Surface::smooth_at_level(int level, const Vec2& uv) const {
-  const Grid& grid = level == 0 ? grid_ : mips_.grid(level);
+  const Grid& grid = level == 0 ? grid_ : mips().grid(level);
   const double x = uv.x() * grid.width - 0.5, y = uv.y() * grid.height - 0.5;
   const Interpolated depth =
-      level == 0 ? bicubic(tiles_, x, y, [&](std::size_t k) { return double(tiles_.depth(k)); })
-                 : bicubic(grid, x, y, [&](std::size_t k) { return mips_.depth(level, k); });
+      level == 0 ? bicubic(tiles(), x, y, [&](std::size_t k) { return double(tiles().depth(k)); })
+                 : bicubic(grid, x, y, [&](std::size_t k) { return mips().depth(level, k); });
   return {-max_depth_ * depth.value,
           {-max_depth_ * depth.d_x * grid.width / placement_.size_u(),
            -max_depth_ * depth.d_y * grid.height / placement_.size_v()}};
@@ -145,7 +152,7 @@ std::vector<float> Surface::depth_texture() const {
   if (!has_depth_) return out;
   out.reserve(grid_.size());
   for (int j = 0; j < height(); ++j) {
-    for (int i = 0; i < width(); ++i) out.push_back(tiles_.depth(tiles_.index(i, j)));
+    for (int i = 0; i < width(); ++i) out.push_back(tiles().depth(tiles().index(i, j)));
   }
   return out;
 }

@@ -22,6 +22,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
@@ -124,6 +125,8 @@ class Surface {
  public:
   // `max_depth` is the depth in metres of a texel depth of 1.
   Surface(Texels texels, const Placement& placement, double max_depth, Edge edge);
+  // The same texels, which both share, on another rectangle.
+  Surface placed(const Placement& placement, double max_depth) const;
 
   const Placement& placement() const { return placement_; }
   int width() const { return grid_.width; }
@@ -160,25 +163,27 @@ class Surface {
   Vec3 world_normal(const Vec2& uv) const { return placement_.direction_to_world(normal(uv)); }
 
   // Height z = -depth of texel (i, j), metres; i, j any integer (wrapped or clamped).
-  double texel_z(int i, int j) const { return -max_depth_ * double(tiles_.depth(tiles_.index(i, j))); }
+  double texel_z(int i, int j) const { return -max_depth_ * double(tiles().depth(tiles().index(i, j))); }
   // The cell whose lower corner is texel (i, j).
   Cell cell(int i, int j) const;
   // The cell that contains local (x, y).
   std::pair<int, int> cell_at(double x, double y) const;
 
   const Grid& grid() const { return grid_; }
-  const Pyramid& pyramid() const { return pyramid_; }
-  const Mips& mips() const { return mips_; }
-  const TexelTiles& tiles() const { return tiles_; }
+  const Pyramid& pyramid() const { return contents_->pyramid; }
+  const Mips& mips() const { return contents_->mips; }
+  const TexelTiles& tiles() const { return contents_->tiles; }
+  // Equal for surfaces that share their texels.
+  const void* identity() const { return contents_.get(); }
 
   // Data for the shader's textures: depth fractions (1 channel; empty without a depth map) and tangent
   // normals (3 channels), row 0 = v 0.
   std::vector<float> depth_texture() const;
   std::vector<float> normal_texture() const;
-  const Image8& colour() const { return colour_; }
+  const Image8& colour() const { return contents_->colour; }
 
  private:
-  Vec3 normal_of_texel(int i, int j) const { return tiles_.normal(tiles_.index(i, j)).unit(); }
+  Vec3 normal_of_texel(int i, int j) const { return tiles().normal(tiles().index(i, j)).unit(); }
   BilinearTaps taps(const Vec2& uv) const;
   double depth_at(const BilinearTaps& at) const;
   Vec3 normal_at(const BilinearTaps& at) const;
@@ -193,15 +198,20 @@ class Surface {
   Moments moments_at(int level, const Vec2& uv) const;
   SmoothHeight smooth_at_level(int level, const Vec2& uv) const;
 
+  // All that does not depend on the rectangle.
+  struct Contents {
+    TexelTiles tiles;
+    Pyramid pyramid;
+    Mips mips;
+    Image8 colour;
+  };
+
   Placement placement_;
   Grid grid_;
   double texels_per_metre_ = 0;  // 1 / (distance between texels), the geometric mean of both axes
   double max_depth_;
   bool has_depth_;
-  TexelTiles tiles_;
-  Pyramid pyramid_;
-  Mips mips_;
-  Image8 colour_;
+  std::shared_ptr<const Contents> contents_;
 };
 
 struct HeightRange {

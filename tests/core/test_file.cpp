@@ -15,7 +15,7 @@ TEST_CASE("what is written is read back, and nothing else is left behind") {
   const tests::TemporaryFolder folder;
   const std::string text("a\0b\n", 4);
   REQUIRE(write_file(folder.path / "deep" / "x.bin", text));
-  const auto bytes = read_file(folder.path / "deep" / "x.bin");
+  const auto bytes = read_file(folder.path / "deep" / "x.bin", 1u << 20);
   REQUIRE(bytes);
   CHECK(std::string(bytes->begin(), bytes->end()) == text);
   CHECK(std::distance(fs::directory_iterator(folder.path / "deep"), fs::directory_iterator()) == 1);
@@ -24,7 +24,7 @@ TEST_CASE("what is written is read back, and nothing else is left behind") {
 TEST_CASE("a missing file names the nearest one") {
   const tests::TemporaryFolder folder;
   REQUIRE(write_file(folder.path / "brick.png", "x"));
-  const auto bytes = read_file(folder.path / "brik.png");
+  const auto bytes = read_file(folder.path / "brik.png", 1u << 20);
   REQUIRE_FALSE(bytes);
   CHECK(bytes.error().message().find("brick.png") != std::string::npos);
 }

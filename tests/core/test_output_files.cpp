@@ -28,7 +28,7 @@ namespace {
 
 // Empty where there is no such file, so that it differs from every content.
 std::optional<std::string> content(const fs::path& path) {
-  auto text = read_text(path);
+  auto text = read_text(path, 1u << 20);
   return text ? std::optional(std::move(*text)) : std::nullopt;
 }
 

@@ -1,7 +1,7 @@
 // A beach ball: six segments of two colours that meet in caps, so that any rotation is visible.
-uniform int self;  // index among the shadow casters, or -1
-uniform vec3 colour_a;
-uniform vec3 colour_b;
+flat in int self;  // index among the shadow casters, or -1
+flat in vec3 colour_a;
+flat in vec3 colour_b;
 
 in vec3 local;
 in vec3 local_normal;

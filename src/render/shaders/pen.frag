@@ -1,5 +1,5 @@
 // The pen: a dark satin shaft, a bright ring and a metal cone.
-uniform vec3 colour_a;
+flat in vec3 colour_a;
 
 in vec3 local;
 in vec3 local_normal;

@@ -1,6 +1,6 @@
 // A body of one colour, half matt.
-uniform int self;  // index among the shadow casters, or -1
-uniform vec3 colour_a;
+flat in int self;  // index among the shadow casters, or -1
+flat in vec3 colour_a;
 
 in vec3 local;
 in vec3 local_normal;

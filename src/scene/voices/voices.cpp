@@ -34,33 +34,51 @@ class ModelBaker {
 
   // Adds a sounding body. `shape` identifies the mesh: equal shapes and materials share one model.
   void add(sound::SoundBody body, const std::string& name, const std::string& shape,
-           const std::function<sound::TetMesh()>& mesh, const Material& material) {
-    if (error_) return;
+           std::function<sound::TetMesh()> mesh, const Material& material) {
     Hash hash = sound::bake_hash(material, bake_);
     hash.add(std::string_view(shape));
     const std::string identity = fmt::format("{:016x}", hash.value());
-    auto& model = models_[identity];
-    if (!model) {
-      model = load_or_bake(identity, name, mesh, material);
-      voices_.models.push_back(identity);
-    }
-    if (!model) return;
-    Voice voice{body.id, name, material.name, {}, {}};
-    for (const double omega : model->angular_frequency)
-      voice.frequencies.push_back(omega / (2 * std::numbers::pi));
-    for (const double damping : model->damping) voice.t60.push_back(std::log(1000.0) / damping);
-    voices_.voices.push_back(std::move(voice));
-    body.mass = model->mass;
-    body.model = model;
-    voices_.bodies.push_back(std::move(body));
+    if (models_.try_emplace(identity).second) voices_.models.push_back(identity);
+    sounding_.push_back({std::move(body), name, identity, std::move(mesh), material});
   }
+
   Result<Voices> voices() {
-    if (error_) return tl::unexpected(*error_);
+    if (models_.size() > max_models)
+      return fail(scene_, fmt::format("has bodies of {} different sizes and materials", models_.size()),
+                  fmt::format("at most {} are analysed: let bodies be equal", max_models));
+    for (Sounding& sounding : sounding_) {
+      Model& model = models_[sounding.identity];
+      if (!model) {
+        if (options_.progress) options_.progress(loaded_, int(models_.size()));
+        model = load_or_bake(sounding);
+        ++loaded_;
+      }
+      if (error_) return tl::unexpected(*error_);
+      add_voice(std::move(sounding), model);
+    }
     return std::move(voices_);
   }
 
  private:
   using Model = std::shared_ptr<const sound::ModalModel>;
+
+  struct Sounding {
+    sound::SoundBody body;
+    std::string name, identity;
+    std::function<sound::TetMesh()> mesh;
+    Material material;
+  };
+
+  void add_voice(Sounding sounding, const Model& model) {
+    Voice voice{sounding.body.id, sounding.name, sounding.material.name, {}, {}};
+    for (const double omega : model->angular_frequency)
+      voice.frequencies.push_back(omega / (2 * std::numbers::pi));
+    for (const double damping : model->damping) voice.t60.push_back(std::log(1000.0) / damping);
+    voices_.voices.push_back(std::move(voice));
+    sounding.body.mass = model->mass;
+    sounding.body.model = model;
+    voices_.bodies.push_back(std::move(sounding.body));
+  }
 
   // Null for a model that cannot be read or has another identity: it is baked again.
   static Model load(const std::filesystem::path& folder, const std::string& identity) {
@@ -72,8 +90,8 @@ class ModelBaker {
     return std::make_shared<const sound::ModalModel>(std::move(*read));
   }
 
-  Model load_or_bake(const std::string& identity, const std::string& name,
-                     const std::function<sound::TetMesh()>& mesh, const Material& material) {
+  Model load_or_bake(const Sounding& sounding) {
+    const auto& [body, name, identity, mesh, material] = sounding;
     if (!options_.shipped.empty()) {
       const auto folder = std::filesystem::path(scene_).parent_path() / options_.shipped;
       if (auto model = load(folder, identity)) return model;
@@ -103,7 +121,9 @@ class ModelBaker {
   std::string scene_;
   VoiceOptions options_;
   sound::BakeOptions bake_;
-  std::map<std::string, Model> models_;
+  std::map<std::string, Model> models_;  // null before they are loaded
+  int loaded_ = 0;
+  std::vector<Sounding> sounding_;
   Voices voices_;
   std::optional<Error> error_;
 };
@@ -147,10 +167,8 @@ void add_slab(ModelBaker& baker, BodyId id, const std::string& name, const Surfa
   const auto along = [&](double side) {
     return std::clamp(int(std::lround(cells * side / slab.size.maxCoeff())), 2, cells);
   };
-  const auto mesh = [&] {
-    return sound::box({slab.size.x(), slab.thickness, slab.size.y()}, along(slab.size.x()), 1,
-                      along(slab.size.y()));
-  };
+  const auto mesh = [size = Vec3(slab.size.x(), slab.thickness, slab.size.y()), across = along(slab.size.x()),
+                     deep = along(slab.size.y())] { return sound::box(size, across, 1, deep); };
   baker.add(body, name, fmt::format("slab {} {} {}", slab.size.x(), slab.thickness, slab.size.y()), mesh,
             made.material);
 }
@@ -193,8 +211,8 @@ void add_bodies(ModelBaker& baker, const Scene& scene, const SceneSurface& surfa
     body.radius_of_curvature = ball.radius;
     const std::string name = scene.balls.size() == 1 ? "ball" : fmt::format("ball {}", k + 1);
     baker.add(
-        body, name, fmt::format("ball {}", ball.radius), [&] { return sound::ball(ball.radius, 2); },
-        ball.material);
+        body, name, fmt::format("ball {}", ball.radius),
+        [radius = ball.radius] { return sound::ball(radius, 2); }, ball.material);
   }
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
     const BodySettings& from = scene.bodies[k];
@@ -225,7 +243,10 @@ Result<Voices> bake_voices(const Scene& scene, const SceneSurface& surface, cons
     body.radius_of_curvature = 0.001;  // of the tip, not of the shaft
     baker.add(
         body, "pen", fmt::format("pen {} {}", scene.pen->radius, scene.pen->length),
-        [&] { return sound::cylinder(scene.pen->radius, scene.pen->length, 1, 16); }, scene.pen->material);
+        [radius = scene.pen->radius, length = scene.pen->length] {
+          return sound::cylinder(radius, length, 1, 16);
+        },
+        scene.pen->material);
   }
   return baker.voices();
 }

@@ -11,6 +11,7 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -37,7 +38,11 @@ struct VoiceOptions {
   std::string shipped = "models";                 // folder of models beside the scene's file; empty: none
   const std::atomic<bool>* stop = nullptr;        // set to abandon a bake under way (sound/bake/bake.h)
   const std::atomic<bool>* begin_none = nullptr;  // set to finish the model under way and begin no other
+  std::function<void(int done, int all)> progress = {};  // called before each model is read or baked
 };
+
+// Scenes with more different models are refused: each takes about 0.3 s to bake.
+inline constexpr std::size_t max_models = 256;
 
 struct Voices {
   std::vector<sound::SoundBody> bodies;

@@ -98,6 +98,12 @@ class Reader {
     return std::move(header_);
   }
 
+  ImageSize size() {
+    for (const auto step : {&Reader::read_version, &Reader::read_attributes, &Reader::read_window})
+      if (!(this->*step)()) return {};
+    return {std::uint64_t(header_.width), std::uint64_t(header_.height)};
+  }
+
  private:
   struct Attribute {
     std::size_t at, size;
@@ -356,6 +362,10 @@ void spread_grey(Image<float>& image) {
 bool is_exr(Bytes bytes) {
   constexpr std::array<std::uint8_t, 4> magic{0x76, 0x2f, 0x31, 0x01};
   return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
+}
+
+ImageSize exr_size(Bytes bytes) {
+  return Reader(bytes, "", {}).size();
 }
 
 Result<DecodedImage> decode_exr(Bytes bytes, const std::string& name, const ImageLimits& limits) {

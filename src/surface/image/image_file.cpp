@@ -48,8 +48,31 @@ Result<DecodedImage> decode_image(Bytes bytes, const std::string& name, const Im
   return fail_at(name, 0, "no PNG, JPEG, TGA or EXR image starts like this", "convert it to PNG");
 }
 
+namespace {
+
+ImageSize declared_size(Bytes bytes) {
+  const ImageSize size = is_png(bytes)    ? png_size(bytes)
+                         : is_jpeg(bytes) ? jpeg_size(bytes)
+                         : is_exr(bytes)  ? exr_size(bytes)
+                                          : tga_size(bytes);
+  const bool is_read = check_size("", std::int64_t(size.width), std::int64_t(size.height), {}).has_value();
+  return is_read ? size : ImageSize();
+}
+
+}  // namespace
+
+ImageSize read_image_size(const std::filesystem::path& path) {
+  constexpr std::size_t most_headers = 1u << 20;
+  const auto head = read_head(path, most_headers);
+  if (!head) return {};
+  const ImageSize size = declared_size(*head);
+  if (size.pixels() > 0 || head->size() < most_headers) return size;
+  const auto whole = read_file(path, max_image_file_bytes);
+  return whole ? declared_size(*whole) : ImageSize();
+}
+
 Result<DecodedImage> read_image(const std::filesystem::path& path) {
-  const auto bytes = read_file(path);
+  const auto bytes = read_file(path, max_image_file_bytes);
   if (!bytes) return tl::unexpected(bytes.error());
   return decode_image(*bytes, path.string());
 }

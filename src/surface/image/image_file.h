@@ -19,6 +19,9 @@
 
 namespace intaglio::surface {
 
+// Larger files are not read.
+inline constexpr std::uintmax_t max_image_file_bytes = 512u << 20;
+
 // Larger images are rejected.
 struct ImageLimits {
   std::uint32_t side = 16384;
@@ -41,6 +44,15 @@ Result<DecodedImage> decode_image(std::span<const std::uint8_t> bytes, const std
                                   const ImageLimits& limits = {});
 Result<DecodedImage> read_image(const std::filesystem::path& path);
 
+struct ImageSize {
+  std::uint64_t width = 0, height = 0;
+
+  std::uint64_t pixels() const { return width * height; }
+};
+// The size that a file's header declares; zero where it cannot be read, or is beyond the limits, which
+// decode_image() reports. Reads the first part of a file only, or all of it when its header is longer.
+ImageSize read_image_size(const std::filesystem::path& path);
+
 // Whether the extension is .png, .jpg, .jpeg, .tga or .exr, in any case.
 bool has_image_extension(const std::filesystem::path& path);
 
@@ -57,6 +69,12 @@ Result<DecodedImage> decode_png(Bytes bytes, const std::string& name, const Imag
 Result<DecodedImage> decode_jpeg(Bytes bytes, const std::string& name, const ImageLimits& limits);
 Result<DecodedImage> decode_tga(Bytes bytes, const std::string& name, const ImageLimits& limits);
 Result<DecodedImage> decode_exr(Bytes bytes, const std::string& name, const ImageLimits& limits);
+
+// The declared sizes; zero where the bytes end too early or are no such header.
+ImageSize png_size(Bytes bytes);
+ImageSize jpeg_size(Bytes bytes);
+ImageSize tga_size(Bytes bytes);
+ImageSize exr_size(Bytes bytes);
 
 // An error at a byte of the file. Text from files and libraries is sanitised to printable ASCII.
 tl::unexpected<Error> fail_at(const std::string& name, std::uint64_t byte, std::string what,

@@ -12,6 +12,15 @@ bool is_jpeg(Bytes bytes) {
   return bytes.size() >= 3 && bytes[0] == 0xff && bytes[1] == 0xd8 && bytes[2] == 0xff;
 }
 
+ImageSize jpeg_size(Bytes bytes) {
+  const std::unique_ptr<void, int (*)(tjhandle)> decoder(tjInitDecompress(), tjDestroy);
+  int width = 0, height = 0, subsampling = 0, colours = 0;
+  if (tjDecompressHeader3(decoder.get(), bytes.data(), bytes.size(), &width, &height, &subsampling,
+                          &colours) != 0)
+    return {};
+  return {std::uint64_t(width), std::uint64_t(height)};
+}
+
 Result<DecodedImage> decode_jpeg(Bytes bytes, const std::string& name, const ImageLimits& limits) {
   const std::unique_ptr<void, int (*)(tjhandle)> decoder(tjInitDecompress(), tjDestroy);
   const auto broken = [&] {

@@ -93,6 +93,13 @@ bool is_png(Bytes bytes) {
   return bytes.size() >= signature.size() && std::equal(signature.begin(), signature.end(), bytes.begin());
 }
 
+ImageSize png_size(Bytes bytes) {
+  Source source{bytes};
+  spng_ihdr header{};
+  if (spng_get_ihdr(open(source).get(), &header) != 0) return {};
+  return {header.width, header.height};
+}
+
 Result<DecodedImage> decode_png(Bytes bytes, const std::string& name, const ImageLimits& limits) {
   Source source{bytes};
   const Context context = open(source);

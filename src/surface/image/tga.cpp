@@ -152,6 +152,11 @@ bool may_be_tga(Bytes bytes) {
   return known_type && std::find(depths.begin(), depths.end(), header->bits) != depths.end();
 }
 
+ImageSize tga_size(Bytes bytes) {
+  const auto header = read_header(bytes);
+  return header ? ImageSize{std::uint64_t(header->width), std::uint64_t(header->height)} : ImageSize();
+}
+
 Result<DecodedImage> decode_tga(Bytes bytes, const std::string& name, const ImageLimits& limits) {
   const auto header = read_header(bytes);
   if (!header)

@@ -91,7 +91,7 @@ Result<FilledSurface> netgen_fill(const BodySurface& body, const FillOptions& op
           run_limited(program, {request.path(), result.path()}, "/", {netgen.seconds, netgen.memory_mb});
       !run)
     return in_context(run.error());
-  const auto bytes = read_file(result.path());
+  const auto bytes = read_file(result.path(), 1u << 30);
   if (!bytes || bytes->empty()) return in_context({program.filename().string(), "returned nothing", ""});
   auto corners = parse_netgen_result({reinterpret_cast<const char*>(bytes->data()), bytes->size()},
                                      program.filename().string());
