@@ -15,7 +15,7 @@ namespace intaglio::scene {
 
 namespace {
 
-constexpr double program = 120e6;  // code, the driver's compiler, solvers
+constexpr double program = 150e6;  // code, the driver's compiler, solvers
 
 // Each different texture once: its surface, and on the device 15 bytes a texel and 5 of the colour map. The
 // largest is imported, or uploaded, while the others are there.
@@ -61,7 +61,7 @@ double bases_bytes(const Scene& scene) {
 
 // Rigid bodies, their modal banks, and room for the sounds that may drive them.
 double bodies_bytes(const Scene& scene) {
-  const double bank = 100.0 * scene.sound.modes + 60e3;
+  const double bank = 100.0 * scene.sound.modes + 80e3;
   double bytes = (10e3 + bank) * double(scene.balls.size() + scene.bodies.size() + scene.grounds.size());
   for (const BodySettings& body : scene.bodies)
     if (const auto* compound = std::get_if<contact::Compound>(&body.body.shape))
