@@ -182,6 +182,8 @@ Result<void> Rendering::prepare() {
 
 Result<void> Rendering::simulate(session::ResultFiles& results, FrameEncoder& pictures) {
   for (std::int64_t frame = 0; frame < frames_; ++frame) {
+    if (job_.stop != nullptr && job_.stop->load())
+      return fail(job_.output.string(), "was stopped: nothing was written");
     const session::Snapshot snapshot = simulation_->advance_to_frame(frame);
     progress_.update(double(frame) / double(frames_),
                      fmt::format("{:.1f} of {:.1f} s", snapshot.time, scene_.duration));

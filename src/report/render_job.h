@@ -3,6 +3,7 @@
 // is read when the process makes its first context.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 
 #include "scene/scene.h"
@@ -14,6 +15,7 @@ struct RenderJob {
   std::filesystem::path output;  // .mp4; beside it go .wav, .html, .events.csv and .servo.csv
   int threads = 2;               // 2: render and encode in parallel with the simulation
   bool quiet = false;
+  const std::atomic<bool>* stop = nullptr;  // set from another thread to abandon the work with an error
 };
 
 // Puts all files in place together (core/output_files.h); on an error the old ones remain as they were.
