@@ -32,8 +32,8 @@ std::atomic<bool> interrupted{false};
 namespace {
 
 #ifdef INTAGLIO_IS_SANITIZED
-constexpr std::chrono::milliseconds patience(
-    60'000);  // threads are joined slowly, and leaks are found after that
+// Threads are joined slowly, and leaks are found after that.
+constexpr std::chrono::milliseconds patience(60'000);
 #else
 constexpr std::chrono::milliseconds patience(300);
 #endif

@@ -2,7 +2,7 @@
 // against what is allowed (intaglio/memory.h).
 //
 // An estimate is of the largest resident size, within a factor of two; its constants are in the code that
-// allocates, and `bench/budget.sh` prints estimate and measurement side by side. 1 GB is 10^9 bytes.
+// allocates, and `tools/budget_table` prints estimate and measurement side by side. 1 GB is 10^9 bytes.
 #pragma once
 
 #include <cstdint>

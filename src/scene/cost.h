@@ -1,6 +1,5 @@
 // The memory that a scene takes, estimated from its settings and from the headers of its textures, before
-// anything is made. Held to measurements within a factor of two by tests/app/hostile.sh --table. Any thread;
-// milliseconds.
+// anything is made. `tools/budget_table` prints it beside measurements. Any thread; milliseconds.
 #pragma once
 
 #include "core/budget.h"
