@@ -340,15 +340,17 @@ void Renderer::Gpu::draw_shell(std::size_t index, const FrameScene& scene) {
 }
 
 void Renderer::Gpu::draw_balls(const std::vector<Ball>& balls) {
-  // The silhouette of the small sphere is 1 - cos(pi / 24) of its radius off: 1/20 of a sample here.
+  // The silhouette of the small sphere is 1 - cos(pi / 24) of its radius off: 1/20 of a sample here. Only a
+  // crowd has so many triangles that they cost anything.
   constexpr double small_radius = 6;  // samples
+  constexpr std::size_t crowd = 64;
   const double samples_a_radian =
       0.5 * options.height * options.supersample / std::tan(camera.fov_y_degrees * std::numbers::pi / 360);
   std::vector<gl::Instance> near, far;
   for (std::size_t k = 0; k < balls.size(); ++k) {
     const Ball& ball = balls[k];
     const double distance = (ball.pose.position - camera.eye).norm() - ball.radius;
-    const bool small = ball.radius * samples_a_radian < small_radius * distance;
+    const bool small = balls.size() > crowd && ball.radius * samples_a_radian < small_radius * distance;
     (small ? far : near)
         .push_back({model_matrix(ball.pose, ball.radius, parts.front().placement), ball.colour.cast<float>(),
                     ball.second_colour.cast<float>(), casters.balls[k]});
