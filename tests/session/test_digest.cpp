@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -227,7 +228,7 @@ TEST_CASE("a video that is too large for a page is linked, a smaller one is in i
   const tests::TemporaryFolder folder;
   const std::filesystem::path file = folder.path / "long video.mp4";
   std::string bytes;
-  for (int k = 0; k < 7'000'001; ++k) bytes += char(k * k >> 3);
+  for (int k = 0; k < 7'000'001; ++k) bytes += char(std::int64_t(k) * k >> 3);
   REQUIRE(write_file(file, bytes));
   const Recording recording;
   const auto digest = digest_of(recording);
