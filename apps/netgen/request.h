@@ -10,7 +10,7 @@
 namespace intaglio::netgen {
 
 struct Request {
-  double size = 0;  // of an element, m
+  double size = 0;  // element size, m
   std::vector<std::array<double, 3>> points;
   std::vector<std::array<std::size_t, 3>> triangles;
 };

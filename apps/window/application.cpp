@@ -324,7 +324,7 @@ void Application::stop_recording() {
   post_message(fmt::format("recorded {:.1f} s: {}", seconds, file.string()));
 }
 
-// Says what recordings of a killed window were put together.
+// Reports the recordings that were recovered from killed windows.
 void Application::report_recovered() {
   for (const auto& video : recovery_.get()) {
     if (!video) {

@@ -157,7 +157,7 @@ class Stage {
   bool reload_shaders_ = false;                   // the renderer does not have those of the folder yet
   std::shared_ptr<haptics::Device> session_pen_;  // of session_, which it must outlive
   std::unique_ptr<session::LiveSession> session_;
-  SessionCounts ended_;  // of the sessions before it
+  SessionCounts ended_;  // totals of earlier sessions
   std::unique_ptr<scene::ScenePicture> picture_;
   std::unique_ptr<render::Renderer> renderer_;
   PictureOptions drawn_;

@@ -1,6 +1,6 @@
-// How much memory a file may ask for. Scenes, meshes and textures say in their first bytes what they need;
-// what would need more than is allowed is refused with the figure, before anything large is allocated
-// (docs/trust.md, Budgets). Options of what reads files have a field for it; a file cannot raise its own.
+// How much memory a file may ask for. The needs of scenes, meshes and textures are estimated from their
+// headers; a file that needs more than is allowed is an error that states the figure, before anything large
+// is allocated (docs/trust.md, Budgets). The functions that read files take the limit; no file can raise it.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,7 @@
 #include "core/file.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
@@ -67,6 +68,16 @@ Result<std::vector<std::uint8_t>> read_file(const fs::path& path, std::uintmax_t
   if (*size > limit)
     return fail(path.string(), fmt::format("has {} bytes", *size), fmt::format("at most {} are read", limit));
   return first_bytes(path, *size);
+}
+
+int write_fully(int descriptor, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(descriptor, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return count < 0 ? errno : ENOSPC;
+    bytes.remove_prefix(std::size_t(count));
+  }
+  return 0;
 }
 
 Result<std::vector<std::uint8_t>> read_head(const fs::path& path, std::size_t count) {

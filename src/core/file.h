@@ -23,6 +23,9 @@ Result<std::string> read_text(const std::filesystem::path& path, std::uintmax_t 
 // At most `count` bytes from the beginning, for headers.
 Result<std::vector<std::uint8_t>> read_head(const std::filesystem::path& path, std::size_t count);
 
+// Writes all bytes to a descriptor; returns 0, or the errno of what failed.
+int write_fully(int descriptor, std::string_view bytes);
+
 // Writes all of `bytes` or nothing, as a set of one OutputFiles. Creates the folder.
 Result<void> write_file(const std::filesystem::path& path, std::span<const std::uint8_t> bytes);
 Result<void> write_file(const std::filesystem::path& path, std::string_view text);

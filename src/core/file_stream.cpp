@@ -6,6 +6,8 @@
 #include <cerrno>
 #include <utility>
 
+#include "core/file.h"
+
 namespace intaglio {
 
 namespace {
@@ -39,13 +41,8 @@ void FileStream::write(std::string_view text) {
 }
 
 void FileStream::flush() {
-  std::string_view left = buffer_;
-  while (!left.empty() && !error_) {
-    const ssize_t count = ::write(descriptor_, left.data(), left.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) error_ = write_error(target_, count < 0 ? errno : ENOSPC);
-    if (count > 0) left.remove_prefix(std::size_t(count));
-  }
+  if (const int reason = error_ ? 0 : write_fully(descriptor_, buffer_); reason != 0)
+    error_ = write_error(target_, reason);
   buffer_.clear();
 }
 

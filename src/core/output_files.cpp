@@ -18,6 +18,7 @@
 #include <thread>
 #include <utility>
 
+#include "core/file.h"
 #include "core/hash.h"
 
 namespace intaglio {
@@ -324,19 +325,15 @@ Result<fs::path> OutputFiles::add_scratch(const fs::path& target) {
   return create(target, true);
 }
 
-Result<void> OutputFiles::write(const fs::path& target, std::span<const std::uint8_t> bytes) {
+Result<void> OutputFiles::write(const fs::path& target, std::string_view text) {
   if (const auto added = add(target); !added) return tl::unexpected(added.error());
-  while (!bytes.empty()) {
-    const ssize_t count = ::write(files_.back().descriptor, bytes.data(), bytes.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return tl::unexpected(write_error(target, count < 0 ? errno : ENOSPC));
-    bytes = bytes.subspan(std::size_t(count));
-  }
+  if (const int reason = write_fully(files_.back().descriptor, text); reason != 0)
+    return tl::unexpected(write_error(target, reason));
   return {};
 }
 
-Result<void> OutputFiles::write(const fs::path& target, std::string_view text) {
-  return write(target, std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+Result<void> OutputFiles::write(const fs::path& target, std::span<const std::uint8_t> bytes) {
+  return write(target, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
 }
 
 // Gives the new file the old one's permissions and writes it through to the disk.

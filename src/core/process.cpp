@@ -52,7 +52,7 @@ struct Plan {
   char* const* arguments;
   const char* folder;  // null: the host's
   int input, errors;   // descriptors; -1: /dev/null, shared
-  bool is_leader;      // of a process group of its own
+  bool is_leader;      // leads a process group of its own
   rlim_t memory;       // bytes of address space; 0: no limit
   int failure;         // pipe for the errno of what failed; execve() closes it
   pid_t parent;

@@ -47,7 +47,7 @@ class LogEncoder {
 
   double rate_;
   std::function<void(std::string_view)> out_;
-  std::string text_;  // of the part that is being made
+  std::string text_;  // the piece being encoded
   Hash hash_;
   std::size_t rows_ = 0;
 };

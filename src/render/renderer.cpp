@@ -362,7 +362,7 @@ void Renderer::Gpu::draw_balls(const std::vector<Ball>& balls) {
 
 void Renderer::Gpu::draw_solids(const FrameScene& scene) {
   std::map<const Mesh*, std::vector<gl::Instance>> instances;
-  std::vector<const Mesh*> order;  // of the scene, so that pictures do not depend on addresses
+  std::vector<const Mesh*> order;  // as in the scene, so that pictures do not depend on addresses
   for (std::size_t k = 0; k < scene.solids.size(); ++k) {
     const Solid& solid = scene.solids[k];
     auto& bodies = instances[solid.mesh.get()];

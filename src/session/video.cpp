@@ -134,17 +134,10 @@ Result<void> VideoWriter::add(const Image8& frame) {
 
 Result<void> VideoWriter::add_sound(std::span<const float> stereo) {
   const int file = open(sound_.c_str(), O_WRONLY | O_APPEND | O_NOFOLLOW | O_CLOEXEC);
-  const auto* bytes = reinterpret_cast<const char*>(stereo.data());
-  std::size_t left = stereo.size_bytes();
-  while (file >= 0 && left > 0) {
-    const ssize_t written = write(file, bytes, left);
-    if (written < 0 && errno != EINTR) break;
-    bytes += std::max<ssize_t>(written, 0);
-    left -= std::size_t(std::max<ssize_t>(written, 0));
-  }
-  const int reason = errno;
-  if (file >= 0) close(file);
-  if (file < 0 || left > 0) return tl::unexpected(write_error(target_, reason));
+  if (file < 0) return tl::unexpected(write_error(target_, errno));
+  const int reason = write_fully(file, {reinterpret_cast<const char*>(stereo.data()), stereo.size_bytes()});
+  close(file);
+  if (reason != 0) return tl::unexpected(write_error(target_, reason));
   return {};
 }
 

@@ -18,7 +18,7 @@ struct Caller {
   Socket socket;
   Ipv4 peer;
   bool udp = false;  // it asked by UDP to be dialled
-  SteadyTime since;  // of the call, or of the dial
+  SteadyTime since;  // when it called or was dialled
 };
 
 class Callers {

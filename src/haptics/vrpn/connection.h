@@ -3,8 +3,8 @@
 //
 // A peer is dropped after three malformed frames, for a cookie that is not VRPN's, for a cookie or a message
 // that takes too long, when it does not read its socket, and when it neither sends nor reads for long.
-// Low-latency messages go by UDP once the peer has named its port, and only to the address at the other end
-// of the TCP link. step() never blocks; one thread. The handler's argument is valid during the call only.
+// Low-latency messages go by UDP once the peer has named its port, and only to the address of its TCP link.
+// step() never blocks; one thread. The handler's argument is valid during the call only.
 #pragma once
 
 #include <chrono>

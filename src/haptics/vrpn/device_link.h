@@ -26,7 +26,7 @@ struct VrpnDeviceOptions {
   ForceMode force_mode = ForceMode::field;
   double plane_stiffness = 800;  // N/m
   double plane_damping = 1;      // N s/m
-  PlaneUnits units;              // of the remote driver
+  PlaneUnits units;              // as the remote driver expects them
   std::int32_t sensor = 0;
   double silence = 0.040;  // s
   ClientOptions client;    // `stopped` is set by the device

@@ -33,7 +33,7 @@ class PacedLog {
  private:
   std::function<void(const std::string&)> write_;
   SteadyTime begun_;
-  int lines_ = 0;  // of this period
+  int lines_ = 0;  // written in this period
 };
 
 }  // namespace intaglio::haptics::vrpn

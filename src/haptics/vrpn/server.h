@@ -29,10 +29,11 @@ struct ServerOptions {
 // rate; one client at a time controls the force. step() never blocks and is called about once a millisecond,
 // by run() or by its owner; one thread. Listens on this machine only by default: VRPN has no authentication.
 //
-// Nobody is shut out by silence. A connection becomes a client when it greets (callers.h); no host can be all
-// clients. A client is served as long as it has introduced itself and sends, or reads what it is sent; it is
-// never cut then. In a full house a newcomer takes the place of a client that is not served, if there is one,
-// else it is rejected; a client that neither sends nor reads for `idle_patience` is dropped anyway.
+// Silent connections cannot shut other clients out. A connection becomes a client when it greets (callers.h),
+// and no host may take every place. A client counts as served once it has introduced itself and while it
+// sends, or reads what it is sent; a served client is never dropped for another. When all places are taken a
+// newcomer replaces a client that is not served, or is rejected if there is none. A client that neither sends
+// nor reads for `idle_patience` is dropped in any case.
 class Server {
  public:
   static LinkResult<std::unique_ptr<Server>> open(const ServerOptions& options);

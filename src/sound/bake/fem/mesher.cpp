@@ -37,15 +37,7 @@ class NamelessFile {
   std::string path() const {
     return fmt::format("/proc/{}/fd/{}", getpid(), descriptor_);  // Not in a name
   }
-  bool write(std::string_view text) const {
-    while (descriptor_ >= 0 && !text.empty()) {
-      const ssize_t count = ::write(descriptor_, text.data(), text.size());
-      if (count < 0 && errno == EINTR) continue;
-      if (count <= 0) return false;
-      text.remove_prefix(std::size_t(count));
-    }
-    return descriptor_ >= 0;
-  }
+  bool write(std::string_view text) const { return descriptor_ >= 0 && write_fully(descriptor_, text) == 0; }
 
  private:
   int descriptor_;
