@@ -16,6 +16,7 @@
 #include "intaglio/memory.h"
 #include "intaglio/representation.h"
 #include "intaglio/vec.h"
+#include "scene/cues.h"
 #include "sound/synthesizer.h"
 #include "surface/import.h"
 
@@ -126,6 +127,7 @@ struct Scene {
   VideoSettings video;
   CameraSettings camera;
   Vec3 light = Vec3(-0.55, 0.75, -0.35);  // towards the light
+  Cues cues;                              // what each sense is given
   // Bytes (cost.h); no key of a scene file, which must not raise its own budget.
   std::uint64_t allowed_memory = default_allowed_memory;
 
