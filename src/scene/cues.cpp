@@ -69,7 +69,7 @@ constexpr std::array<Unit, 2> times = {{{"ms", 1000}, {"s", 1}}};
 constexpr std::array<Unit, 3> lengths = {{{"mm", 1000}, {"cm", 100}, {"m", 1}}};
 
 const Unit* find_unit(std::string_view name, std::span<const Unit> units) {
-  const auto* const found =
+  const auto found =
       std::find_if(units.begin(), units.end(), [&](const Unit& unit) { return unit.name == name; });
   return found == units.end() ? nullptr : &*found;
 }

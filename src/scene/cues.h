@@ -1,4 +1,4 @@
-// What each sense of a scene is given: switches, delays, and textures that differ from the true one.
+// Settings of each sense of a scene: switches, delays, and textures that differ from the true one.
 //
 // A run in which every sense has the same texture at the same time is true. A study, or a test of a metric,
 // needs runs that lie in one known way: the sound 60 ms late, the touch of another texture. docs/cues.md says
