@@ -1,6 +1,7 @@
 // The interface of a haptic device: a position to read, a guarded force to write. And a simulated one.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "haptics/guard.h"
@@ -23,6 +24,28 @@ class Device {
   virtual Quat orientation() { return Quat::Identity(); }
   // Seconds since the device last answered; 0 for a device that answers every read.
   virtual double silent_for() const { return 0; }
+};
+
+// Is where it is told to be and displays nothing: for a servo that describes what a pen meets whose force
+// another servo makes (PenServo::set_contact). Real-time.
+class EchoDevice : public Device {
+ public:
+  void set(const Vec3& tip, const std::optional<Quat>& orientation, double silent_for) {
+    tip_ = tip;
+    orientation_ = orientation;
+    silent_for_ = silent_for;
+  }
+
+  Vec3 read() override { return tip_; }
+  void write(const GuardedForce& /*force*/) override {}
+  bool reads_orientation() const override { return orientation_.has_value(); }
+  Quat orientation() override { return orientation_.value_or(Quat::Identity()); }
+  double silent_for() const override { return silent_for_; }
+
+ private:
+  Vec3 tip_ = Vec3::Zero();
+  std::optional<Quat> orientation_;
+  double silent_for_ = 0;
 };
 
 // A simulated PHANToM Desktop in a simulated hand.

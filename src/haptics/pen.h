@@ -45,7 +45,9 @@ struct ServoReport {
   ServoReport() { ball_impulse.fill(Vec3::Zero()); }
 
   double time = 0;
-  Vec3 tip = Vec3::Zero(), proxy = Vec3::Zero(), force = Vec3::Zero();  // world; N as sent
+  Vec3 tip = Vec3::Zero(), proxy = Vec3::Zero();  // m, world
+  Vec3 force = Vec3::Zero();                      // N, world: of the contact
+  Vec3 felt = Vec3::Zero();      // N, as sent: `force`, unless the hand is given another (set_contact)
   Vec3 velocity = Vec3::Zero();  // m/s of the tip, filtered, relative to the textured body
   bool touching = false;
   std::uint32_t guard_status = 0;

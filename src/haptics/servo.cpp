@@ -1,7 +1,9 @@
 #include "haptics/servo.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "core/portable_math.h"
 #include "intaglio/representation.h"
@@ -52,7 +54,8 @@ PenServo::PenServo(std::shared_ptr<const surface::Surface> surface, std::shared_
       plane_(std::min(options.plane_rate, options.rate)),
       passivity_(passivity_options(stiffness_, options.rate)),
       guard_(options.limits),
-      filter_keep_(elementary::exp(-2 * std::numbers::pi * options.velocity_cutoff / options.rate)) {
+      filter_keep_(elementary::exp(-2 * std::numbers::pi * options.velocity_cutoff / options.rate)),
+      late_(std::size_t(std::lround(std::max(0.0, options.delay) * options.rate))) {
   options_.method = HapticMethod::potential;
   options_.pen.direction.normalize();
 }
@@ -60,6 +63,7 @@ PenServo::PenServo(std::shared_ptr<const surface::Surface> surface, std::shared_
 void PenServo::rearm() {
   guard_.rearm();
   started_ = false;
+  if (contact_) contact_->rearm();
 }
 
 bool PenServo::read(Device& device, const SceneSnapshot& scene, double time, TickMotion& motion) {
@@ -80,6 +84,7 @@ bool PenServo::read(Device& device, const SceneSnapshot& scene, double time, Tic
     plane_.reset();
     passivity_.reset();
     passivity_.set_sent(Vec3::Zero());
+    std::fill(late_.begin(), late_.end(), Display());
   }
   motion.displacement = motion.pen.tip - last_tip_;
   velocity_ = filter_keep_ * velocity_ + (1 - filter_keep_) * options_.rate * motion.displacement;
@@ -130,6 +135,25 @@ void PenServo::fill_sample(const TickMotion& motion, const TipContact& touch, Se
   if (options_.representation == Representation::relief) sample.surface_height = -surface_->depth(sample.uv);
 }
 
+PenServo::Display PenServo::displayed(const Display& now) {
+  if (!options_.displays) return {};
+  if (late_.empty()) return now;
+  const Display then = std::exchange(late_[next_late_], now);
+  next_late_ = (next_late_ + 1) % late_.size();
+  return then;
+}
+
+void PenServo::tick_contact(Device& device, const SceneSnapshot& scene, double time) {
+  echo_.set(device_tip_, device.reads_orientation() ? std::optional(device_orientation_) : std::nullopt,
+            device.silent_for());
+  contact_->tick(echo_, scene, time);
+  const Vec3 felt = report_.felt;
+  const std::uint32_t status = guard_.status();
+  report_ = contact_->report();
+  report_.felt = felt;
+  report_.guard_status = status;
+}
+
 GuardedForce PenServo::send(Device& device, const Wrench& wanted, const SceneSnapshot& scene, double time,
                             ServoSample& sample) {
   GuardInput input;
@@ -158,6 +182,7 @@ ServoSample PenServo::reject_reading(Device& device, double time) {
   Wrench bad;
   bad.force.setConstant(std::numeric_limits<double>::quiet_NaN());
   send(device, bad, scene, time, sample);
+  if (contact_) tick_contact(device, scene, time);
   return sample;
 }
 
@@ -166,7 +191,7 @@ void PenServo::update_report(const Wrench& about_body, const ServoSample& sample
   report_.tip = sample.tip;
   report_.proxy = sample.proxy;
   report_.velocity = sample.velocity;
-  report_.force = sample.force;
+  report_.force = report_.felt = sample.force;
   report_.touching = sample.touching;
   report_.guard_status = sample.guard_status;
   ++report_.ticks;
@@ -205,15 +230,17 @@ ServoSample PenServo::tick(Device& device, const SceneSnapshot& scene, double ti
   sample.touching_ball = ball_force != Vec3::Zero();
 
   const double scale = options_.workspace.scale;
-  const GuardedForce guarded = send(device, {scale * wrench.force, wrench.torque}, scene, time, sample);
+  const Display display = displayed({{scale * wrench.force, wrench.torque}, ball_force, shaft.force});
+  const GuardedForce guarded = send(device, display.wrench, scene, time, sample);
   // Attributes the guard's reduction to the texture's force.
-  const Vec3 sent = guarded.newtons() / scale - ball_force - shaft.force;
+  const Vec3 sent = guarded.newtons() / scale - display.balls - display.shaft;
   passivity_.set_sent(motion.body.orientation.conjugate() * sent);
   const bool reduced = (sample.guard_status & (guard_status::ramping | guard_status::fault)) != 0;
   if (reduced) passivity_.reset(touch.energy);
   Wrench about_body = Wrench::of(tip_force, sample.proxy, motion.body.position);
   about_body += shaft.about(motion.body.position - grip);
   update_report(about_body, sample, time);
+  if (contact_) tick_contact(device, scene, time);
   return sample;
 }
 

@@ -8,12 +8,18 @@
 // per device metre, a spring of K at the hand is K / s^2 in the world, and a force f in the world is s f at
 // the hand: f dx is the same energy in both.
 //
+// What a study may falsify, the force's delay and whether it is displayed at all, acts before the guard: the
+// guard is last, whatever is wanted.
+//
 // Real-time: tick() does not allocate, lock, log or throw; about 0.5 us near a slab (bench_haptics). One
 // thread.
 #pragma once
 
+#include <cstddef>
 #include <limits>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "haptics/device.h"
 #include "haptics/guard.h"
@@ -54,6 +60,8 @@ struct ServoOptions {
   double thickness = std::numeric_limits<double>::infinity();  // m, of the slab
   double rate = 1000;                                          // Hz
   double velocity_cutoff = 60;  // Hz, of the low-pass on differentiated encoders
+  double delay = 0;             // s, rounded to ticks: how late forces reach the guard
+  bool displays = true;         // false: the guard gets zero in place of every force
 };
 
 // Record of one tick. World frame, SI.
@@ -90,6 +98,10 @@ class PenServo {
 
   // For the scene: the newest tick, and impulses summed since the start.
   const ServoReport& report() const { return report_; }
+  // Makes another servo, ticked at the same poses, say what the pen meets: report() is then its report, but
+  // for `felt` and the guard's status. For a hand that is given another force than the contact's: of another
+  // solid, late, or none. Before the first tick; costs as much as a second servo.
+  void set_contact(PenServo contact) { contact_ = std::make_unique<PenServo>(std::move(contact)); }
   const ServoOptions& options() const { return options_; }
   // Work of the texture on the hand since the start, J.
   double work_on_hand() const { return passivity_.work_on_hand(); }
@@ -115,6 +127,13 @@ class PenServo {
   TipContact touch(const TickMotion& motion);
   Vec3 touch_balls(const TickMotion& motion, const SceneSnapshot& scene, Wrench& wrench);
   void fill_sample(const TickMotion& motion, const TipContact& touch, ServoSample& sample) const;
+  // A force on its way to the guard, and its parts that are not the tip's on the texture (world, unscaled).
+  struct Display {
+    Wrench wrench;
+    Vec3 balls = Vec3::Zero(), shaft = Vec3::Zero();
+  };
+  Display displayed(const Display& now);
+  void tick_contact(Device& device, const SceneSnapshot& scene, double time);
   GuardedForce send(Device& device, const Wrench& wanted, const SceneSnapshot& scene, double time,
                     ServoSample& sample);
   void update_report(const Wrench& about_body, const ServoSample& sample, double time);
@@ -137,6 +156,10 @@ class PenServo {
   Vec3 velocity_ = Vec3::Zero();  // m/s, body's frame
   double time_ = 0, filter_keep_ = 0;
   bool started_ = false;
+  std::vector<Display> late_;  // a ring of `delay` ticks; sized at construction
+  std::size_t next_late_ = 0;
+  std::unique_ptr<PenServo> contact_;  // absent: this servo describes the contact itself
+  EchoDevice echo_;                    // of the contact's
 };
 
 }  // namespace intaglio::haptics
