@@ -5,7 +5,7 @@ import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-READ = re.compile(r'\b(?:r|reader)\.(?:number|integer|string|vec3|vec2|choice|rows|table|tables)\("([a-z_0-9]+)"')
+READ = re.compile(r'\b(?:r|reader)\.(?:number|integer|boolean|string|vec3|vec2|choice|rows|table|tables)\("([a-z_0-9]+)"')
 HELPED = re.compile(r'(?:read_material|read_direction|start_from)\(\w+, "([a-z_]+)"')
 ROW = re.compile(r"^\|\s*`([a-z_0-9]+)`\s*\|", re.M)
 HEADING = re.compile(r"^## `\[+([a-z_]+)\]+`", re.M)

@@ -277,7 +277,7 @@ void Application::collect_audio() {
   if (panel_data_.scope.size() > scope_samples)
     panel_data_.scope.erase(panel_data_.scope.begin(),
                             panel_data_.scope.end() - std::ptrdiff_t(scope_samples));
-  panel_data_.force.push_back(float(stage_.session()->state().pen.force.norm()));
+  panel_data_.force.push_back(float(stage_.session()->state().pen.felt.norm()));
   if (panel_data_.force.size() > force_samples) panel_data_.force.erase(panel_data_.force.begin());
 }
 

@@ -105,7 +105,7 @@ void touch_panel(Settings& settings, session::LiveSession& session, const PanelD
   if (slider("stiffness, N/m", stiffness, 50, 2000, "%.0f")) settings.stiffness = stiffness;
   if (!data.force.empty())
     ImGui::PlotLines("##force", data.force.data(), int(data.force.size()), 0,
-                     fmt::format("force {:.2f} N", state.pen.force.norm()).c_str(), 0, 8,
+                     fmt::format("force {:.2f} N", state.pen.felt.norm()).c_str(), 0, 8,
                      ImVec2(ImGui::GetContentRegionAvail().x, 4.6f * ImGui::GetFontSize()));
   if ((state.pen.guard_status & haptics::guard_status::fault) != 0) {
     wrapped_text("Force cut off by the safety guard");
@@ -292,10 +292,10 @@ void draw_pen_overlay(Pencil& pencil, session::LiveSession& session, const hapti
     pencil.dot(pen.tip, IM_COL32(255, 255, 255, 200), 3);
   }
   pencil.ring(pen.proxy, IM_COL32(255, 255, 255, 220), 6);
-  const double force = pen.force.norm();
+  const double force = pen.felt.norm();
   if (force < 0.02) return;
-  pencil.arrow(pen.proxy, pen.proxy + 0.06 * side * pen.force, IM_COL32(255, 70, 70, 255));
-  pencil.text(pen.proxy + 0.06 * side * pen.force, fmt::format("{:.2f} N", force));
+  pencil.arrow(pen.proxy, pen.proxy + 0.06 * side * pen.felt, IM_COL32(255, 70, 70, 255));
+  pencil.text(pen.proxy + 0.06 * side * pen.felt, fmt::format("{:.2f} N", force));
 }
 
 }  // namespace

@@ -160,6 +160,14 @@ void TomlReader::integer(const char* key, int& value, const Range& range) {
   value = int(number);
 }
 
+void TomlReader::boolean(const char* key, bool& value) {
+  const toml::node* node = find(key);
+  if (node == nullptr) return;
+  if (!node->is_boolean())
+    return set_error(*node, fmt::format("{} is {}", full_key(key), kind(*node)), "true or false is required");
+  value = node->value_or(value);
+}
+
 void TomlReader::string(const char* key, std::string& value) {
   const toml::node* node = find(key);
   if (node == nullptr) return;

@@ -55,6 +55,7 @@ class TomlReader {
     optional_key(key);
   }
   void integer(const char* key, int& value, const Range& range);
+  void boolean(const char* key, bool& value);
   void string(const char* key, std::string& value);
   void vec3(const char* key, Vec3& value);
   void vec2(const char* key, Vec2& value, const Range& range);
@@ -80,6 +81,7 @@ class TomlReader {
   // An array of tables ([[key]]).
   void tables(const char* key, const std::function<void(TomlReader&)>& read);
   bool has(const char* key) const { return table_.contains(key); }
+  // For a key that takes a table or something else.
   bool is_table(const char* key) const { return table_[key].is_table(); }
   // Allows a key that is read conditionally.
   void optional_key(const char* key) { known_.insert(key); }

@@ -8,7 +8,7 @@
 // per device metre, a spring of K at the hand is K / s^2 in the world, and a force f in the world is s f at
 // the hand: f dx is the same energy in both.
 //
-// What a study may falsify, the force's delay and whether it is displayed at all, acts before the guard: the
+// A study may delay the force or withhold it (ServoOptions::delay, displays). Both act before the guard: the
 // guard is last, whatever is wanted.
 //
 // Real-time: tick() does not allocate, lock, log or throw; about 0.5 us near a slab (bench_haptics). One

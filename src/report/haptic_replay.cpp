@@ -67,7 +67,8 @@ Result<Replayed> replay(const haptics::HapticLog& log, const scene::Scene& scene
     at_rest.time = double(tick) / log.rate;
     servo.tick(device, at_rest, at_rest.time);
   }
-  return Replayed{device.largest_difference(), haptics::fingerprint(*made->surface) == log.surface};
+  return Replayed{device.largest_difference(),
+                  haptics::fingerprint(*scene::given(*made, scene::Cue::touch).surface) == log.surface};
 }
 
 }  // namespace intaglio::report

@@ -36,6 +36,11 @@ double texture_bytes(const Scene& scene) {
   for (const SurfaceSettings& ground : scene.grounds) add(ground);
   for (const BodySettings& body : scene.bodies)
     for (const SurfaceSettings& relief : body.reliefs) add(relief);
+  for (const Cue cue : all_cues) {
+    SurfaceSettings other = scene.surface;
+    if (scene.cues[cue].texture) put_texture(other, *scene.cues[cue].texture);
+    add(other);
+  }
   return kept + std::max(0.0, largest);
 }
 

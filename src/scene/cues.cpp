@@ -65,8 +65,8 @@ struct Unit {
   std::string_view name;
   double per;
 };
-constexpr std::array<Unit, 2> times = {{{"ms", 1000}, {"s", 1}}};
-constexpr std::array<Unit, 3> lengths = {{{"mm", 1000}, {"cm", 100}, {"m", 1}}};
+constexpr std::array<Unit, 2> time_units = {{{"ms", 1000}, {"s", 1}}};
+constexpr std::array<Unit, 3> length_units = {{{"mm", 1000}, {"cm", 100}, {"m", 1}}};
 
 const Unit* find_unit(std::string_view name, std::span<const Unit> units) {
   const auto found =
@@ -119,7 +119,7 @@ Result<Quantity> parse_quantity(std::string_view text, std::span<const Unit> uni
 }
 
 Result<void> set_delay(std::string_view text, std::vector<CueSettings*>& cues) {
-  const auto delay = parse_quantity(text, times, 1, delay_form);
+  const auto delay = parse_quantity(text, time_units, 1, delay_form);
   if (!delay) return tl::unexpected(delay.error());
   const double seconds = delay->numbers[0];
   if (seconds < 0)
@@ -133,7 +133,7 @@ Result<void> set_delay(std::string_view text, std::vector<CueSettings*>& cues) {
 }
 
 Result<void> set_shift(std::string_view text, std::vector<CueSettings*>& cues) {
-  const auto shift = parse_quantity(text, lengths, 2, shift_form);
+  const auto shift = parse_quantity(text, length_units, 2, shift_form);
   if (!shift) return tl::unexpected(shift.error());
   Vec2 metres = Vec2::Zero();
   for (std::size_t k = 0; k < shift->numbers.size(); ++k) metres[Eigen::Index(k)] = shift->numbers[k] + 0.0;
@@ -151,13 +151,16 @@ Result<void> set_value(const std::string& name, std::string_view value, std::vec
     for (CueSettings* cue : cues) cue->on = word == "on";
     return {};
   }
-  for (const auto& [units, property] :
-       {std::pair(std::span<const Unit>(times), "delay"), std::pair(std::span<const Unit>(lengths), "shift")})
+  for (const auto& [units, property] : {std::pair(std::span<const Unit>(time_units), "delay"),
+                                        std::pair(std::span<const Unit>(length_units), "shift")})
     if (parse_quantity(value, units, 2, ""))
       return fail("", shown(value) + " is not a texture",
                   fmt::format("did you mean {}-{}={}? (a texture of that name: ./{})", name, property,
                               shown(value), shown(value)));
-  for (CueSettings* cue : cues) cue->texture = std::string(value);
+  for (CueSettings* cue : cues) {
+    cue->texture = std::string(value);
+    cue->line.clear();
+  }
   return {};
 }
 

@@ -36,11 +36,15 @@ struct CueSettings {
   double delay = 0;                    // s, 0 to max_cue_delay
   Vec2 shift = Vec2::Zero();           // m, along u and v of the floor, each within +-max_cue_shift
   std::optional<std::string> texture;  // instead of the floor's own, named as there
+  std::string line;  // "file:line" of the texture in a scene file, for errors; empty: not from a file
 
   bool is_true() const { return on && delay == 0 && !moves_texture(); }
   // Whether the cue needs a floor of its own: another texture, or the same one elsewhere.
   bool moves_texture() const { return shift != Vec2::Zero() || texture.has_value(); }
-  bool operator==(const CueSettings&) const = default;
+  // The line does not count.
+  bool operator==(const CueSettings& other) const {
+    return on == other.on && delay == other.delay && shift == other.shift && texture == other.texture;
+  }
 };
 
 inline constexpr double max_cue_delay = 1, max_cue_shift = 1;  // s, m

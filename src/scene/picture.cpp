@@ -31,8 +31,9 @@ render::Mesh core_mesh(const contact::Box& box, const std::vector<SceneSurface>&
 
 }  // namespace
 
-ScenePicture::ScenePicture(const Scene& scene, const SceneSurface& surface)
-    : scene_(scene), part_poses_(1 + surface.grounds.size()) {
+ScenePicture::ScenePicture(const Scene& scene, const SceneSurface& all)
+    : scene_(scene), part_poses_(1 + all.grounds.size()) {
+  const SceneSurface& surface = given(all, Cue::picture);
   for (std::size_t k = 0; k < scene.bodies.size(); ++k)
     add_body(k, k < surface.reliefs.size() ? surface.reliefs[k] : std::vector<SceneSurface>());
   for (std::size_t k = 0; k < surface.grounds.size(); ++k) {
@@ -116,7 +117,8 @@ render::FrameScene ScenePicture::frame(std::span<const Pose> balls, std::span<co
   return frame;
 }
 
-std::vector<render::SurfacePart> surface_parts(const Scene& scene, const SceneSurface& surface) {
+std::vector<render::SurfacePart> surface_parts(const Scene& scene, const SceneSurface& all) {
+  const SceneSurface& surface = given(all, Cue::picture);
   std::vector<render::SurfacePart> parts;
   const auto add = [&](const SceneSurface& one, double thickness) {
     parts.push_back({.surface = one.surface.get(),
@@ -132,7 +134,8 @@ std::vector<render::SurfacePart> surface_parts(const Scene& scene, const SceneSu
   return parts;
 }
 
-Result<std::unique_ptr<render::Renderer>> make_renderer(const Scene& scene, const SceneSurface& surface) {
+Result<std::unique_ptr<render::Renderer>> make_renderer(const Scene& scene, const SceneSurface& all) {
+  const SceneSurface& surface = given(all, Cue::picture);
   render::RendererOptions options;
   options.width = scene.video.width;
   options.height = scene.video.height;
@@ -141,7 +144,7 @@ Result<std::unique_ptr<render::Renderer>> make_renderer(const Scene& scene, cons
   options.roughness = surface.roughness;
   auto renderer = render::Renderer::create(*surface.surface, options);
   if (!renderer) return tl::unexpected(renderer.error());
-  const auto parts = surface_parts(scene, surface);
+  const auto parts = surface_parts(scene, all);
   if (parts.size() == 1) return std::move(*renderer);  // it shows the floor already
   if (auto shown = (*renderer)->show(parts); !shown) return tl::unexpected(shown.error());
   return std::move(*renderer);

@@ -1,4 +1,5 @@
-// Turns a scene and its bodies' poses into a render::FrameScene, for videos and the window alike.
+// Turns a scene and its bodies' poses into a render::FrameScene, for videos and the window alike. Its
+// surfaces are those that the picture is given (cues.h).
 #pragma once
 
 #include <cstdint>
@@ -21,7 +22,7 @@ namespace intaglio::scene {
 
 class ScenePicture {
  public:
-  ScenePicture(const Scene& scene, const SceneSurface& surface);
+  ScenePicture(const Scene& scene, const SceneSurface& all);
 
   // Camera, light and representation are the scene's; the caller may change them.
   render::FrameScene frame(std::span<const Pose> balls, std::span<const Pose> bodies,
@@ -44,10 +45,10 @@ class ScenePicture {
 };
 
 // The surfaces of a scene for the renderer: the floor, then the grounds, then the reliefs of bodies.
-std::vector<render::SurfacePart> surface_parts(const Scene& scene, const SceneSurface& surface);
+std::vector<render::SurfacePart> surface_parts(const Scene& scene, const SceneSurface& all);
 
 // An off-screen renderer of the scene's pictures, which shows its surfaces. Tenths of a second.
-Result<std::unique_ptr<render::Renderer>> make_renderer(const Scene& scene, const SceneSurface& surface);
+Result<std::unique_ptr<render::Renderer>> make_renderer(const Scene& scene, const SceneSurface& all);
 
 // Render mesh of a contact shape, in the body's frame. Pure; milliseconds.
 render::Mesh shape_mesh(const contact::Shape& shape);

@@ -124,6 +124,25 @@ void read_camera(TomlReader& r, CameraSettings& camera) {
               "camera.eye and camera.target must be different points");
 }
 
+// touch = false, or a table of settings.
+void read_cue(TomlReader& cues, const char* name, CueSettings& cue) {
+  if (!cues.is_table(name)) return cues.boolean(name, cue.on);
+  cues.table(name, [&](TomlReader& r) {
+    r.boolean("on", cue.on);
+    r.number("delay", cue.delay,
+             {0, max_cue_delay, false,
+              "a delay must be between 0 s and 1 s; no sense can be early, but the others can be late"});
+    r.vec2("shift", cue.shift,
+           {-max_cue_shift, max_cue_shift, false, "a shift along u or v must be between -1 m and 1 m"});
+    if (r.has("texture")) {
+      r.string("texture", cue.texture.emplace());
+      cue.line = r.line_of("texture");
+    } else {
+      r.optional_key("texture");
+    }
+  });
+}
+
 }  // namespace
 
 void put_texture(SurfaceSettings& surface, const std::string& texture) {
@@ -163,6 +182,9 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name) {
   r.table("sound", [&](TomlReader& t) { read_sound(t, scene.sound); });
   r.table("video", [&](TomlReader& t) { read_video(t, scene.video); });
   r.table("camera", [&](TomlReader& t) { read_camera(t, scene.camera); });
+  r.table("cues", [&](TomlReader& t) {
+    for (const Cue cue : all_cues) read_cue(t, name_of(cue), scene.cues[cue]);
+  });
   r.finish();
   if (error) return tl::unexpected(*error);
   return scene;
@@ -188,6 +210,8 @@ Result<Scene> read_scene(const std::filesystem::path& path, std::uint64_t allowe
   }
   for (BodySettings& body : scene->bodies)
     for (SurfaceSettings& relief : body.reliefs) find(relief.texture);
+  for (const Cue cue : all_cues)
+    if (auto& texture = scene->cues[cue].texture) find(*texture);
   return scene;
 }
 

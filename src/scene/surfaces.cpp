@@ -170,6 +170,85 @@ dynamics::ShapeBody textured(const BodySettings& body, const std::vector<SceneSu
   return out;
 }
 
+namespace {
+
+// A flat thing of one grey, in place of a texture that is not shown.
+std::shared_ptr<const surface::Surface> blank(const surface::Placement& placement, surface::Edge edge) {
+  constexpr int side = 4;
+  surface::Texels texels;
+  texels.width = texels.height = side;
+  texels.depth.assign(side * side, 0.0f);
+  texels.normal.assign(side * side, Vec3::UnitZ());
+  texels.colour = Image8(side, side, 3);
+  std::fill(texels.colour.data.begin(), texels.colour.data.end(), std::uint8_t{150});
+  return std::make_shared<const surface::Surface>(std::move(texels), placement, 0, edge);
+}
+
+void make_blank(SceneSurface& one) {
+  one.surface = blank(one.surface->placement(), one.surface->edge());
+  one.roughness = SceneSurface().roughness;
+}
+
+// The floor with another texture, or its own elsewhere: of the floor's material in both cases.
+Result<SceneSurface> other_floor(const Scene& scene, const SceneSurface& floor, const CueSettings& cue,
+                                 Textures& textures) {
+  SurfaceSettings from = scene.surface;
+  if (cue.texture) {
+    put_texture(from, *cue.texture);
+    from.line = cue.line;
+  }
+  const surface::Placement& place = floor.surface->placement();
+  from.position += cue.shift.x() * place.t() + cue.shift.y() * place.b();
+  auto made = build_surface(from, textures);
+  if (!made) return made;
+  made->material = floor.material;
+  made->grounds = floor.grounds;
+  made->reliefs = floor.reliefs;
+  return made;
+}
+
+// Makes what the senses are given instead, where the scene's cues say so.
+Result<void> add_cues(const Scene& scene, SceneSurface& floor, Textures& textures) {
+  decltype(floor.instead) instead;
+  for (const Cue cue : all_cues) {
+    const CueSettings& settings = scene.cues[cue];
+    SceneSurface made = floor;
+    if (settings.moves_texture()) {
+      auto other = other_floor(scene, floor, settings, textures);
+      if (!other) return tl::unexpected(other.error());
+      made = std::move(*other);
+    }
+    const bool is_blank = cue == Cue::picture && !settings.on;
+    if (is_blank) {
+      make_blank(made);
+      for (SceneSurface& ground : made.grounds) make_blank(ground);
+    }
+    if (is_blank || settings.moves_texture())
+      instead[std::size_t(cue)] = std::make_shared<const SceneSurface>(std::move(made));
+  }
+  floor.instead = std::move(instead);
+  return {};
+}
+
+}  // namespace
+
+const SceneSurface& given(const SceneSurface& floor, Cue cue) {
+  const auto& instead = floor.instead[std::size_t(cue)];
+  return instead ? *instead : floor;
+}
+
+std::vector<std::shared_ptr<const surface::Surface>> heard_textures(const SceneSurface& floor) {
+  std::vector textures = {floor.surface};
+  for (const Cue sound : {Cue::pen_sound, Cue::ball_sound})
+    if (const SceneSurface& heard = given(floor, sound); &heard != &floor) textures.push_back(heard.surface);
+  return textures;
+}
+
+int heard_texture(const SceneSurface& floor, Cue sound) {
+  if (&given(floor, sound) == &floor) return 0;
+  return sound == Cue::ball_sound && floor.instead[std::size_t(Cue::pen_sound)] ? 2 : 1;
+}
+
 Result<SceneSurface> make_surface(const Scene& scene) {
   if (auto fits = check_cost(scene, Use::shown); !fits) return tl::unexpected(fits.error());
   Textures textures(scene.allowed_memory);
@@ -186,6 +265,8 @@ Result<SceneSurface> make_surface(const Scene& scene) {
     if (!made) return tl::unexpected(made.error());
     floor->reliefs.push_back(std::move(*made));
   }
+  if (!scene.cues.are_true())
+    if (auto added = add_cues(scene, *floor, textures); !added) return tl::unexpected(added.error());
   return floor;
 }
 

@@ -27,7 +27,17 @@ struct SceneSurface {
   std::vector<std::string> notes;                  // import notes, one per line
   std::vector<SceneSurface> grounds;               // floor only: the scene's grounds
   std::vector<std::vector<SceneSurface>> reliefs;  // floor only: reliefs, one list per body
+  // Floor only: what a sense is given in place of all this, where its cue says so (cues.h); null: this.
+  std::array<std::shared_ptr<const SceneSurface>, all_cues.size()> instead;
 };
+
+// The surface as a sense is given it.
+const SceneSurface& given(const SceneSurface& floor, Cue cue);
+
+// The floor's textures as sound knows them: its own, then the others that its contacts are given.
+std::vector<std::shared_ptr<const surface::Surface>> heard_textures(const SceneSurface& floor);
+// Where among them the texture of that sound is.
+int heard_texture(const SceneSurface& floor, Cue sound);
 
 // The physics body with its reliefs attached.
 dynamics::ShapeBody textured(const BodySettings& body, const std::vector<SceneSurface>& reliefs);

@@ -67,7 +67,7 @@ LiveSessionState LiveSession::state() {
   state.late = from.dropped_steps;
   state.bodies.assign(from.pose.begin(), from.pose.begin() + std::ptrdiff_t(from.bodies));
   state.pen_tip = from.pen.proxy;
-  state.pen_force = from.pen.force;
+  state.pen_force = from.pen.felt;
   state.pen_touching = from.pen.touching;
   state.has_sound = impl_->live->has_sound();
   return state;

@@ -94,6 +94,7 @@ LiveSession::LiveSession(const scene::Scene& scene, const scene::SceneSurface& s
       options_(options),
       loop_(scene_, surface, representation_for(scene, options.moves),
             representation_for(scene, options.feels), [this](const ContactEvent& event) { emit(event); }),
+      heard_(scene_, surface, {.sample_rate = options.sample_rate, .delays_output = false}),
       gain_db_(options.gain_db) {
   const scene::PenSettings& pen = *scene_.pen;
   if (device == nullptr) {
@@ -104,6 +105,13 @@ LiveSession::LiveSession(const scene::Scene& scene, const scene::SceneSurface& s
   }
   servo_ = std::make_unique<haptics::ServoLoop>(loop_.pen()->make_servo(), *device);
   now_.bodies = std::min(loop_.world().count(), max_live_bodies);
+  const double picture = scene_.cues.picture.delay, motion = scene_.cues.ball_motion.delay;
+  // Half a step less than the delay, so that rounding does not decide which step is drawn.
+  if (picture + motion > 0) late_poses_.emplace(picture + motion - 0.5 / scene_.physics.rate, poses());
+  if (picture > 0) {
+    const Vec3 tip = scene_.surface.position;
+    late_pen_.emplace(picture, std::array{tip, tip});
+  }
   publish();
 }
 
@@ -237,6 +245,8 @@ void LiveSession::step(const Controls& controls) {
   ++now_.steps;
   loop_.emit_contacts();
   loop_.emit_pen(report_, loop_.time(), 1.0 / scene_.physics.rate);
+  if (late_poses_) late_poses_->put(loop_.time(), poses());
+  heard_.release(loop_.time(), [this](const ContactEvent& heard) { push_heard(heard); });
   if (sound::LiveSound* sound = sound_.load(std::memory_order_acquire)) sound->advance(loop_.time());
   const double cost = 1e-9 * double(thread_cpu_ns() - start);
   now_.step_seconds += 0.02 * (cost - now_.step_seconds);
@@ -251,16 +261,34 @@ void LiveSession::exchange_with_pen(double speed) {
 }
 
 void LiveSession::emit(const ContactEvent& event) {
-  if (sound::LiveSound* sound = sound_.load(std::memory_order_acquire)) sound->push(event);
+  heard_.add(event, [this](const ContactEvent& heard) { push_heard(heard); });
   if (event.phase == ContactPhase::end) return;
   now_.marks[now_.mark_count++ % max_marks] = {
       event.time, event.body,    event.other, event.phase == ContactPhase::begin, event.point, event.n_g,
       event.n_s,  event.impulse, event.uv};
 }
 
+void LiveSession::push_heard(const ContactEvent& event) {
+  if (sound::LiveSound* sound = sound_.load(std::memory_order_acquire)) sound->push(event);
+}
+
+std::vector<Pose> LiveSession::poses() const {
+  std::vector<Pose> poses;
+  for (std::size_t k = 0; k < now_.bodies; ++k) poses.push_back(loop_.world().pose(k));
+  return poses;
+}
+
 void LiveSession::publish() {
   now_.time = loop_.time();
   for (std::size_t k = 0; k < now_.bodies; ++k) now_.pose[k] = loop_.world().pose(k);
+  if (late_poses_) std::ranges::copy(late_poses_->at(now_.time), now_.pose.begin());
+  if (late_pen_) {
+    const double now = std::chrono::duration<double>(SteadyClock::now().time_since_epoch()).count();
+    late_pen_->put(now, {report_.tip, report_.proxy});
+    const auto& [tip, proxy] = late_pen_->at(now);
+    now_.pen.tip = tip;
+    now_.pen.proxy = proxy;
+  }
   state_.publish(now_);
 }
 

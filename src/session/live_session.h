@@ -5,6 +5,9 @@
 //        SceneSnapshot   ▼  │ ServoReport        ContactEvents ▶ LiveSound ▶ the audio device's thread
 //                     servo thread
 //
+// The scene says what each sense is given (Scene::cues). Delays of bodies and sounds are simulated
+// time, those of touch and of the drawn pen real time.
+//
 // Physics takes whole steps by the steady clock; when the machine does not keep up, steps are left out and
 // counted. Sound starts when its models are there, from a cache or from a baking thread; until then it is
 // silent. The touch loop keeps running while the scene is paused.
@@ -30,6 +33,8 @@
 #include "haptics/servo_loop.h"
 #include "intaglio/event.h"
 #include "scene/voices/voices.h"
+#include "session/heard_contacts.h"
+#include "session/late_values.h"
 #include "session/scene_loop.h"
 #include "sound/audio_device.h"
 #include "sound/live_sound.h"
@@ -55,15 +60,15 @@ struct ContactMark {
 };
 
 struct LiveState {
-  double time = 0;                  // s, simulated
-  std::uint64_t steps = 0;          // physics steps
-  std::uint64_t dropped_steps = 0;  // steps left out because the machine could not keep up
-  double step_seconds = 0;          // CPU time of a step, smoothed
-  std::size_t bodies = 0;           // balls, then the scene's other bodies
-  std::array<Pose, max_live_bodies> pose;
-  std::uint64_t mark_count = 0;  // since the start; the newest is at (mark_count - 1) % max_marks
+  double time = 0;                         // s, simulated
+  std::uint64_t steps = 0;                 // physics steps
+  std::uint64_t dropped_steps = 0;         // steps left out because the machine could not keep up
+  double step_seconds = 0;                 // CPU time of a step, smoothed
+  std::size_t bodies = 0;                  // balls, then the scene's other bodies
+  std::array<Pose, max_live_bodies> pose;  // as drawn: late where the scene's cues say so
+  std::uint64_t mark_count = 0;            // since the start; the newest is at (mark_count - 1) % max_marks
   std::array<ContactMark, max_marks> marks;
-  haptics::ServoReport pen;
+  haptics::ServoReport pen;  // tip and proxy as drawn
 };
 
 // A haptic device led by the mouse: a PHANToM Desktop in a simulated hand that pulls towards where the mouse
@@ -132,7 +137,10 @@ class LiveSession {
   ~LiveSession();
 
   // Bodies continue where `other`, a stopped session of the same scene, had them.
-  void follow(const LiveSession& other) { loop_.world().follow(other.loop_.world()); }
+  void follow(const LiveSession& other) {
+    loop_.world().follow(other.loop_.world());
+    if (late_poses_) late_poses_->restart(poses());
+  }
   // Resets and single steps that `other`, a stopped session, has done are not repeated.
   void continue_counters(const LiveSession& other) {
     singles_done_ = other.singles_done_;
@@ -174,6 +182,8 @@ class LiveSession {
   void step(const Controls& controls);
   void exchange_with_pen(double speed);
   void emit(const ContactEvent& event);
+  void push_heard(const ContactEvent& event);
+  std::vector<Pose> poses() const;
   void publish();
 
   scene::Scene scene_;
@@ -183,6 +193,10 @@ class LiveSession {
   std::unique_ptr<MouseDevice> mouse_;
   std::unique_ptr<haptics::ServoLoop> servo_;
   haptics::ServoReport report_;  // the physics thread's newest
+  HeardContacts heard_;
+  // Only where a cue delays them: bodies by simulated time, the pen by the steady clock, s.
+  std::optional<LateValues<double, std::vector<Pose>>> late_poses_;
+  std::optional<LateValues<double, std::array<Vec3, 2>>> late_pen_;  // tip, proxy
 
   AudioTap* tap_ = nullptr;
   scene::VoiceBaker* baker_ = nullptr;

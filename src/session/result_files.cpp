@@ -10,6 +10,12 @@ namespace {
 
 constexpr std::size_t pending_samples = 1 << 14;
 
+// The texture that was felt, and what was false beside.
+std::string felt_name(const Run& run) {
+  const std::string note = scene::cue_note(run.cues);
+  return note.empty() ? run.felt_texture : run.felt_texture + " (" + note + ")";
+}
+
 }  // namespace
 
 Result<std::unique_ptr<ResultFiles>> ResultFiles::create(OutputFiles& files, const fs::path& output,
@@ -33,8 +39,9 @@ ResultFiles::ResultFiles(fs::path wav_file, sound::WavWriter wav, FileStream eve
       wav_(std::move(wav)),
       events_(std::move(events)),
       servo_(std::move(servo)),
-      log_(run.servo_rate, run.texture, run.surface ? haptics::fingerprint(*run.surface) : 0,
+      log_(run.servo_rate, felt_name(run), run.felt_surface ? haptics::fingerprint(*run.felt_surface) : 0,
            [this](std::string_view text) { servo_.write(text); }) {
+  if (const std::string note = scene::cue_note(run.cues); !note.empty()) events_.write("# " + note + "\n");
   events_.write(event_columns);
 }
 

@@ -34,7 +34,11 @@ struct Run {
   int physics_rate = 480, servo_rate = 1000, sample_rate = 44100, fps = 30;  // Hz
   Representation representation = Representation::relief;
   std::shared_ptr<const surface::Surface> surface;
-  std::string texture;                // as the scene names it
+  std::string texture;  // as the scene names it
+  // What the pen is given to feel: these two, unless the scene's cues say otherwise.
+  std::shared_ptr<const surface::Surface> felt_surface;
+  std::string felt_texture;
+  scene::Cues cues;
   std::vector<std::string> notes;     // import notes, one per line
   std::vector<std::string> warnings;  // what the scene asks of a device beyond its abilities, one per line
   std::vector<Ball> balls;

@@ -52,13 +52,19 @@ PenLink::PenLink(const scene::Scene& scene, const scene::SceneSurface& surface, 
     if (ball_radii_.size() < haptics::max_balls) ball_radii_.push_back(ball.radius);
   pushed_.assign(ball_radii_.size(), Vec3::Zero());
   grounds_.push_back({floor_body, surface.surface, std::nullopt, scene.surface.thickness});
+  touch_ = scene.cues.touch;
+  felt_floor_ = scene::given(surface, scene::Cue::touch).surface;
   if (surface.grounds.empty() || options_.method == haptics::HapticMethod::plane) return;
   for (std::size_t k = 0; k < surface.grounds.size(); ++k)
     grounds_.push_back({BodyId(first_surface_body + k), surface.grounds[k].surface, surface.grounds[k].curved,
                         scene.grounds[k].thickness});
+  solid_ = union_of(grounds_);
+}
+
+std::shared_ptr<const UnionSolid> PenLink::union_of(const std::vector<Ground>& grounds) const {
   auto solid = std::make_shared<UnionSolid>();
-  for (const Ground& ground : grounds_) {
-    const haptics::SolidOptions touch{felt, 2 * options_.pen.tip_radius, ground.thickness};
+  for (const Ground& ground : grounds) {
+    const haptics::SolidOptions touch{options_.representation, 2 * options_.pen.tip_radius, ground.thickness};
     if (ground.curved) {
       solid->add(std::make_unique<haptics::TexturedMesh>(ground.surface, ground.curved->base(),
                                                          ground.thickness, touch));
@@ -66,12 +72,27 @@ PenLink::PenLink(const scene::Scene& scene, const scene::SceneSurface& surface, 
       solid->add(std::make_unique<haptics::TexturedSlab>(ground.surface, touch));
     }
   }
-  solid_ = std::move(solid);
+  return solid;
+}
+
+haptics::PenServo PenLink::make_servo(const std::vector<Ground>& grounds,
+                                      const std::shared_ptr<const UnionSolid>& solid,
+                                      const haptics::ServoOptions& options) const {
+  if (!solid) return {grounds[0].surface, options};
+  return {grounds[0].surface, solid, options};
 }
 
 haptics::PenServo PenLink::make_servo() const {
-  if (!solid_) return {grounds_[0].surface, options_};
-  return {grounds_[0].surface, solid_, options_};
+  haptics::PenServo contact = make_servo(grounds_, solid_, options_);
+  if (touch_.is_true()) return contact;
+  std::vector<Ground> grounds = grounds_;
+  grounds[0].surface = felt_floor_;
+  haptics::ServoOptions options = options_;
+  options.delay = touch_.delay;
+  options.displays = touch_.on;
+  haptics::PenServo felt = make_servo(grounds, solid_ ? union_of(grounds) : nullptr, options);
+  felt.set_contact(std::move(contact));
+  return felt;
 }
 
 void PenLink::push_balls(const haptics::ServoReport& report, scene::SceneWorld& world) {
@@ -151,7 +172,11 @@ void PenLink::emit_contact(const haptics::ServoReport& report, double time, doub
 
 SceneLoop::SceneLoop(const scene::Scene& scene, const scene::SceneSurface& surface, Representation moved,
                      Representation felt, ContactSink sink)
-    : step_(1.0 / scene.physics.rate), world_(scene, surface, moved), sink_(std::move(sink)) {
+    : step_(1.0 / scene.physics.rate),
+      uv_shift_(scene.cues.ball_motion.shift.cwiseQuotient(surface.surface->placement().size())),
+      world_(scene, scene::given(surface, scene::Cue::ball_motion),
+             scene.cues.ball_motion.on ? moved : Representation::flat),
+      sink_(std::move(sink)) {
   if (scene.pen) pen_.emplace(scene, surface, felt);
 }
 
@@ -162,7 +187,15 @@ void SceneLoop::step(const haptics::ServoReport* report, const StepInput& input)
 }
 
 void SceneLoop::emit_contacts() const {
-  for (const ContactEvent& event : world_.world().events()) sink_(event);
+  for (const ContactEvent& event : world_.world().events()) {
+    if (uv_shift_ == Vec2::Zero() || event.other != floor_body || event.texture < 0) {
+      sink_(event);
+      continue;
+    }
+    ContactEvent placed = event;
+    placed.uv += uv_shift_;
+    sink_(placed);
+  }
 }
 
 // A spring from the held point to where it is wanted, no stronger than 60 times the body's weight:

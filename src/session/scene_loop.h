@@ -48,6 +48,8 @@ class PenLink {
   PenLink(const scene::Scene& scene, const scene::SceneSurface& surface, Representation felt);
 
   // Meets the floor and all grounds; with the paper's planes, which are made of one surface, the floor only.
+  // Where the scene's cues falsify touch, the hand gets the force of that servo and the report is of a true
+  // contact (PenServo::set_contact).
   haptics::PenServo make_servo() const;
   // Gives the balls what the pen has pushed since the last call.
   void push_balls(const haptics::ServoReport& report, scene::SceneWorld& world);
@@ -64,6 +66,10 @@ class PenLink {
     std::optional<surface::ReliefMesh> curved;
     double thickness;  // m
   };
+  std::shared_ptr<const UnionSolid> union_of(const std::vector<Ground>& grounds) const;
+  haptics::PenServo make_servo(const std::vector<Ground>& grounds,
+                               const std::shared_ptr<const UnionSolid>& solid,
+                               const haptics::ServoOptions& options) const;
   std::size_t touched_ground(const Vec3& proxy) const;
   void place(const Ground& ground, const Vec3& velocity, ContactEvent& event) const;
   ContactEvent event(const haptics::ServoReport& report, std::size_t ground, ContactPhase phase, double time,
@@ -76,8 +82,10 @@ class PenLink {
   haptics::ServoOptions options_;
   std::vector<Ground> grounds_;              // the floor, then the scene's grounds
   std::shared_ptr<const UnionSolid> solid_;  // of all grounds; null: the floor only
-  std::vector<Vec3> pushed_;                 // N s on each ball, already handed to the world
-  std::optional<std::size_t> touched_;       // the ground that the pen touched last
+  scene::CueSettings touch_;                 // what the hand is given
+  std::shared_ptr<const surface::Surface> felt_floor_;
+  std::vector<Vec3> pushed_;            // N s on each ball, already handed to the world
+  std::optional<std::size_t> touched_;  // the ground that the pen touched last
 };
 
 // Input of a step: keys, and a body that a hand drags.
@@ -90,7 +98,8 @@ struct StepInput {
 
 class SceneLoop {
  public:
-  // `moved`, `felt`: how much of the textures bodies meet and the pen feels.
+  // `moved`, `felt`: how much of the textures bodies meet and the pen feels. Bodies move on what the scene's
+  // cues say; contacts are reported at the place on the true floor.
   SceneLoop(const scene::Scene& scene, const scene::SceneSurface& surface, Representation moved,
             Representation felt, ContactSink sink);
 
@@ -113,7 +122,8 @@ class SceneLoop {
  private:
   void drag(const StepInput& input);
 
-  double step_;  // s
+  double step_;                   // s
+  Vec2 uv_shift_ = Vec2::Zero();  // of the bodies' texture over the floor
   scene::SceneWorld world_;
   std::optional<PenLink> pen_;
   ContactSink sink_;

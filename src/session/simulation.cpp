@@ -45,6 +45,8 @@ Simulation::Simulation(const scene::Scene& scene, const scene::SceneSurface& sur
       clock_({scene.physics.rate, servo_rate(scene), scene.sound.sample_rate, scene.video.fps}),
       loop_(scene, surface, scene.surface.representation, scene.surface.representation,
             [this](const ContactEvent& event) { emit(event); }),
+      heard_(scene, surface, {scene.sound.sample_rate, 1.0 / scene.physics.rate}),
+      sound_delay_(heard_.output_delay()),
       block_(2 * block_size) {
   run_.title = scene.title;
   run_.duration = scene.duration;
@@ -55,6 +57,9 @@ Simulation::Simulation(const scene::Scene& scene, const scene::SceneSurface& sur
   run_.representation = scene.surface.representation;
   run_.surface = surface.surface;
   run_.texture = scene.surface.texture;
+  run_.felt_surface = scene::given(surface, scene::Cue::touch).surface;
+  run_.felt_texture = scene.cues.touch.texture.value_or(scene.surface.texture);
+  run_.cues = scene.cues;
   for (std::size_t k = 0; k < scene.balls.size(); ++k)
     run_.balls.push_back({loop_.world().ball(k), scene.balls[k].radius});
   if (scene.pen) {
@@ -63,6 +68,24 @@ Simulation::Simulation(const scene::Scene& scene, const scene::SceneSurface& sur
     if (const auto warning = pen_stability_warning(*scene.pen)) run_.warnings.push_back(*warning);
     run_.pen = loop_.world().pen();
   }
+  const double picture = scene.cues.picture.delay, motion = scene.cues.ball_motion.delay;
+  if (picture + motion > 0) late_poses_.emplace(ticks(picture + motion), poses());
+  if (picture > 0) late_pen_.emplace(ticks(picture), std::nullopt);
+  if (motion > 0) {
+    std::vector<Vec3> start;
+    for (std::size_t k = 0; k < run_.balls.size(); ++k) start.push_back(loop_.world().pose(k).position);
+    late_positions_.emplace(ticks(motion), std::move(start));
+  }
+}
+
+Ticks Simulation::ticks(double seconds) const {
+  return Ticks(std::llround(seconds * double(clock_.ticks_per_second())));
+}
+
+std::vector<Pose> Simulation::poses() const {
+  std::vector<Pose> poses;
+  for (std::size_t k = 0; k < loop_.world().count(); ++k) poses.push_back(loop_.world().pose(k));
+  return poses;
 }
 
 Result<std::unique_ptr<Simulation>> Simulation::create(const scene::Scene& scene,
@@ -111,11 +134,13 @@ void Simulation::run_until(Ticks end) {
 Snapshot Simulation::advance_to_frame(std::int64_t index) {
   run_until(clock_.due(index, scene_.video.fps));
   Snapshot snapshot;
-  snapshot.time = clock_.seconds(clock_.due(index, scene_.video.fps));
-  const scene::SceneWorld& world = loop_.world();
-  for (std::size_t k = 0; k < world.count(); ++k)
-    (k < scene_.balls.size() ? snapshot.balls : snapshot.bodies).push_back(world.pose(k));
-  snapshot.pen_tip = pen_tip_;
+  const Ticks now = clock_.due(index, scene_.video.fps);
+  snapshot.time = clock_.seconds(now);
+  const std::vector<Pose> all = late_poses_ ? late_poses_->at(now) : poses();
+  const auto balls = all.begin() + std::ptrdiff_t(scene_.balls.size());
+  snapshot.balls.assign(all.begin(), balls);
+  snapshot.bodies.assign(balls, all.end());
+  snapshot.pen_tip = late_pen_ ? late_pen_->at(now) : pen_tip_;
   return snapshot;
 }
 
@@ -138,7 +163,7 @@ void Simulation::finish() {
 
 void Simulation::emit(const ContactEvent& event) {
   ++run_.event_count;
-  synthesizer_->push(event);
+  heard_.add(event, [this](const ContactEvent& heard) { synthesizer_->push(heard); });
   event_hash_.add(event.time);
   event_hash_.add(std::isnan(event.touch_age) ? -1 : event.touch_age);
   event_hash_.add(event.body);
@@ -161,8 +186,15 @@ void Simulation::step_physics() {
   physics_cost_.measure([&] { loop_.step(servo_ ? &servo_->report() : nullptr); });
   ++physics_done_;
   loop_.emit_contacts();
+  heard_.release(loop_.time(), [this](const ContactEvent& heard) { synthesizer_->push(heard); });
   positions_.clear();
   for (std::size_t k = 0; k < run_.balls.size(); ++k) positions_.push_back(loop_.world().pose(k).position);
+  const Ticks now = clock_.due(physics_done_, scene_.physics.rate);
+  if (late_poses_) late_poses_->put(now, poses());
+  if (late_positions_) {
+    late_positions_->put(now, positions_);
+    positions_ = late_positions_->at(now);
+  }
   for (Observer* const observer : observers_) observer->on_step(positions_);
 }
 
@@ -175,14 +207,18 @@ void Simulation::step_servo() {
   scene.time = time;
   servo_cost_.measure([&] { sample = servo_->tick(*device_, scene, time); });
   device_->advance(1.0 / run_.servo_rate);
+  if (late_pen_) late_pen_->put(clock_.due(servo_done_, run_.servo_rate), servo_->report().proxy);
   ++servo_done_;
-  pen_tip_ = sample.proxy;
+  pen_tip_ = servo_->report().proxy;
   for (Observer* const observer : observers_) observer->on_tick(sample);
   loop_.emit_pen(servo_->report(), double(servo_done_) / run_.servo_rate, 1.0 / run_.servo_rate);
 }
 
 void Simulation::step_sound() {
-  sound_cost_.measure([&] { synthesizer_->render_stereo(block_); });
+  sound_cost_.measure([&] {
+    synthesizer_->render_stereo(block_);
+    sound_delay_.pass(block_);
+  });
   // The scene ends within the last block.
   const std::int64_t left =
       clock_.steps(scene_.duration, scene_.sound.sample_rate) - std::int64_t(block_size) * blocks_done_++;

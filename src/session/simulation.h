@@ -15,6 +15,8 @@
 #include "intaglio/event.h"
 #include "scene/voices/voices.h"
 #include "scene/world.h"
+#include "session/heard_contacts.h"
+#include "session/late_values.h"
 #include "session/recording.h"
 #include "session/scene_loop.h"
 #include "sound/synthesizer.h"
@@ -24,7 +26,7 @@ namespace intaglio::session {
 // Ears at the camera.
 sound::Listener listener_of(const scene::CameraSettings& camera);
 
-// All poses, for one picture.
+// All poses, for one picture: late where the scene's cues say so.
 struct Snapshot {
   double time = 0;
   std::vector<Pose> balls, bodies;
@@ -56,6 +58,9 @@ class Simulation {
   void step_servo();
   void step_sound();
   void emit(const ContactEvent& event);
+  // Ticks of a delay.
+  Ticks ticks(double seconds) const;
+  std::vector<Pose> poses() const;
 
   scene::Scene scene_;
   scene::SceneSurface scene_surface_;
@@ -64,6 +69,8 @@ class Simulation {
   std::optional<haptics::SimulatedDevice> device_;
   std::optional<haptics::PenServo> servo_;
   std::unique_ptr<sound::Synthesizer> synthesizer_;
+  HeardContacts heard_;
+  DelayLine sound_delay_;
   std::vector<float> block_;
 
   std::int64_t physics_done_ = 0, servo_done_ = 0, blocks_done_ = 0;
@@ -71,6 +78,10 @@ class Simulation {
   Hash event_hash_, audio_hash_;
   std::optional<Vec3> pen_tip_;  // m, as drawn
   std::vector<Vec3> positions_;  // m, of the balls after the last step
+  // Only where a cue delays them: poses and the pen in pictures, positions in logs.
+  std::optional<LateValues<Ticks, std::vector<Pose>>> late_poses_;
+  std::optional<LateValues<Ticks, std::optional<Vec3>>> late_pen_;
+  std::optional<LateValues<Ticks, std::vector<Vec3>>> late_positions_;
   std::vector<Observer*> observers_;
   Run run_;
 };

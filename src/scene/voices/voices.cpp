@@ -158,7 +158,7 @@ void add_slab(ModelBaker& baker, BodyId id, const std::string& name, const Surfa
   sound::SoundBody body;
   body.id = id;
   body.is_fixed = true;
-  if (slab.representation != Representation::flat) body.textures = {made.surface};
+  if (slab.representation != Representation::flat) body.textures = heard_textures(made);
   body.rest_pose = {
       made.surface->placement().to_world({slab.size.x() / 2, slab.size.y() / 2, -slab.thickness / 2}),
       rotation_of(slab.rotation)};
