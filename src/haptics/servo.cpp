@@ -84,7 +84,7 @@ bool PenServo::read(Device& device, const SceneSnapshot& scene, double time, Tic
     plane_.reset();
     passivity_.reset();
     passivity_.set_sent(Vec3::Zero());
-    std::fill(late_.begin(), late_.end(), Display());
+    std::fill(late_.begin(), late_.end(), Wrench());
   }
   motion.displacement = motion.pen.tip - last_tip_;
   velocity_ = filter_keep_ * velocity_ + (1 - filter_keep_) * options_.rate * motion.displacement;
@@ -135,10 +135,10 @@ void PenServo::fill_sample(const TickMotion& motion, const TipContact& touch, Se
   if (options_.representation == Representation::relief) sample.surface_height = -surface_->depth(sample.uv);
 }
 
-PenServo::Display PenServo::displayed(const Display& now) {
+Wrench PenServo::displayed(const Wrench& now) {
   if (!options_.displays) return {};
   if (late_.empty()) return now;
-  const Display then = std::exchange(late_[next_late_], now);
+  const Wrench then = std::exchange(late_[next_late_], now);
   next_late_ = (next_late_ + 1) % late_.size();
   return then;
 }
@@ -230,11 +230,13 @@ ServoSample PenServo::tick(Device& device, const SceneSnapshot& scene, double ti
   sample.touching_ball = ball_force != Vec3::Zero();
 
   const double scale = options_.workspace.scale;
-  const Display display = displayed({{scale * wrench.force, wrench.torque}, ball_force, shaft.force});
-  const GuardedForce guarded = send(device, display.wrench, scene, time, sample);
-  // Attributes the guard's reduction to the texture's force.
-  const Vec3 sent = guarded.newtons() / scale - display.balls - display.shaft;
-  passivity_.set_sent(motion.body.orientation.conjugate() * sent);
+  const Wrench wanted = displayed({scale * wrench.force, wrench.torque});
+  const GuardedForce guarded = send(device, wanted, scene, time, sample);
+  // Attributes the guard's reduction to the texture's force. The controller answers for the texture: a force
+  // that is late or withheld is a study's matter, and limited by the guard.
+  const bool is_true = options_.displays && late_.empty();
+  const Vec3 sent = guarded.newtons() / scale - ball_force - shaft.force;
+  passivity_.set_sent(is_true ? Vec3(motion.body.orientation.conjugate() * sent) : touch.force);
   const bool reduced = (sample.guard_status & (guard_status::ramping | guard_status::fault)) != 0;
   if (reduced) passivity_.reset(touch.energy);
   Wrench about_body = Wrench::of(tip_force, sample.proxy, motion.body.position);

@@ -127,12 +127,8 @@ class PenServo {
   TipContact touch(const TickMotion& motion);
   Vec3 touch_balls(const TickMotion& motion, const SceneSnapshot& scene, Wrench& wrench);
   void fill_sample(const TickMotion& motion, const TipContact& touch, ServoSample& sample) const;
-  // A force on its way to the guard, and its parts that are not the tip's on the texture (world, unscaled).
-  struct Display {
-    Wrench wrench;
-    Vec3 balls = Vec3::Zero(), shaft = Vec3::Zero();
-  };
-  Display displayed(const Display& now);
+  // The wrench that reaches the guard: now's, an earlier one, or none.
+  Wrench displayed(const Wrench& now);
   void tick_contact(Device& device, const SceneSnapshot& scene, double time);
   GuardedForce send(Device& device, const Wrench& wanted, const SceneSnapshot& scene, double time,
                     ServoSample& sample);
@@ -156,7 +152,7 @@ class PenServo {
   Vec3 velocity_ = Vec3::Zero();  // m/s, body's frame
   double time_ = 0, filter_keep_ = 0;
   bool started_ = false;
-  std::vector<Display> late_;  // a ring of `delay` ticks; sized at construction
+  std::vector<Wrench> late_;  // a ring of `delay` ticks; sized at construction
   std::size_t next_late_ = 0;
   std::unique_ptr<PenServo> contact_;  // absent: this servo describes the contact itself
   EchoDevice echo_;                    // of the contact's

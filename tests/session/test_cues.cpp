@@ -3,8 +3,10 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 #include "scene/cues.h"
+#include "tests/session/sessions.h"
 
 using namespace intaglio;
 using scene::Cue;
@@ -140,4 +142,30 @@ TEST_CASE("cues: changes in words") {
         "cues: touch shifted by 10 mm along u, motion shifted by -4 mm along v");
   CHECK(scene::fault_text(faults_in("sound-delay=0.06s,touch-shift=1cm,picture=off")) ==
         "picture=off,touch-shift=10mm,sound-delay=60ms");
+}
+
+TEST_CASE("cues: keys of a scene file") {
+  const Cues cues = tests::parsed(
+                        "[cues]\ntouch = false\npicture = true\n[cues.pen_sound]\ndelay = 0.06\nshift = "
+                        "[0.01, -0.02]\n[cues.ball_motion]\non = false\ntexture = \"planks\"\n")
+                        .cues;
+  CHECK(cues ==
+        faults_in("touch=off,pen_sound-delay=60ms,pen_sound-shift=10x-20mm,motion=off,motion=planks"));
+  CHECK(tests::parsed("").cues.are_true());
+  const std::array<std::array<const char*, 2>, 6> wrong = {{
+      {"[cues]\ntuch = false\n", "s.toml:2: unknown key \"cues.tuch\"; did you mean \"touch\"?"},
+      {"[cues]\ntouch = 1\n", "s.toml:2: cues.touch is a number; true or false is required"},
+      {"[cues.touch]\ndelay = -0.1\n",
+       "s.toml:2: cues.touch.delay is -0.1; a delay must be between 0 s and 1 s; no sense can be early, but the "
+       "others can be late"},
+      {"[cues.touch]\nshift = [2, 0]\n",
+       "s.toml:2: cues.touch.shift is 2; a shift along u or v must be between -1 m and 1 m"},
+      {"[cues.touch]\nof = false\n", "s.toml:2: unknown key \"cues.touch.of\"; did you mean \"on\"?"},
+      {"cues = 3\n", "s.toml:1: cues is a number; a table is required: [cues]"},
+  }};
+  for (const auto& [text, message] : wrong) {
+    const auto scene = scene::parse_scene(text, "s.toml");
+    REQUIRE_FALSE(scene);
+    CHECK(scene.error().message() == message);
+  }
 }
