@@ -26,8 +26,9 @@ ALLOWED = {
     "src/scene/voices": "core surface contact dynamics sound sound/bake scene",
     "src/session": "core surface mesh contact dynamics haptics sound sound/bake sound/audio render scene scene/voices",
     "src/report": "core surface mesh contact dynamics haptics sound sound/bake sound/audio render scene scene/voices session",
+    "src/evaluate": "core surface mesh contact dynamics haptics sound sound/bake sound/audio render scene scene/voices session report",
     "apps/window": "core surface mesh contact dynamics haptics haptics/vrpn sound sound/bake sound/audio render scene scene/voices session report",
-    "apps/command": "core surface mesh contact dynamics haptics haptics/vrpn sound sound/bake sound/audio render scene scene/voices session report window",
+    "apps/command": "core surface mesh contact dynamics haptics haptics/vrpn sound sound/bake sound/audio render scene scene/voices session report evaluate window",
     "apps/netgen": "",
 }
 # The library that defines what a public header, include/intaglio/<name>.h, declares. Public headers include only public ones of
