@@ -27,7 +27,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 CODE_FOLDERS = ("include", "src", "apps", "tests", "bench", "fuzz", "examples")
 # Where quoted includes start. Generated headers have no folder.
 INCLUDE_ROOTS = ("include", "src", "apps", "")
-GENERATED = {"intaglio_materials.h", "intaglio_shaders.h", "model_generated.h"}
+GENERATED = {"intaglio_materials.h", "intaglio_thresholds.h", "intaglio_shaders.h", "model_generated.h"}
 
 ARITHMETIC = r"(?:bool|char|short|int|unsigned|long|float|double|(?:std::)?(?:size_t|ptrdiff_t|u?int(?:8|16|32|64|ptr)_t))"
 CAST = re.compile(rf"\bstatic_cast<{ARITHMETIC}>")

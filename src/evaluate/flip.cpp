@@ -185,7 +185,7 @@ Plane filtered_by_sensitivity(const Plane& plane, PictureSize size, std::span<co
   return result;
 }
 
-// What the eye resolves, as Hunt's CIELAB.
+// The colours that the eye resolves, as Hunt's CIELAB.
 Planes seen_colours(const Planes& opponent, PictureSize size, double pixels_per_degree) {
   Planes planes;
   for (std::size_t c = 0; c < 3; ++c)

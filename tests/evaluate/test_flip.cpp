@@ -86,8 +86,8 @@ TEST_CASE("FLIP of a pattern is what its published implementation computes") {
 
 TEST_CASE("FLIP of uniform colours is their remapped HyAB distance") {
   // By an independent transcription of the formulas in double precision. Black and white are 100 apart, so
-  // theirs is 0.95 + 0.05 (100^0.7 / g - 0.4) / 0.6, g being the 0.7th power of green's distance from blue. The
-  // published implementation is up to 4e-5 off here: rounding in single precision becomes a feature.
+  // theirs is 0.95 + 0.05 (100^0.7 / g - 0.4) / 0.6, g being the 0.7th power of green's distance from blue.
+  // The published implementation is up to 4e-5 off here: rounding in single precision becomes a feature.
   const auto close = [](double value) { return doctest::Approx(value).epsilon(1e-7); };
   CHECK(flip_mean(constant(0, 0, 0), constant(255, 255, 255)) == close(0.9673798));
   CHECK(flip_mean(constant(0, 255, 0), constant(0, 0, 255)) == close(1));
