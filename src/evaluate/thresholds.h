@@ -1,10 +1,10 @@
 // Thresholds of agreement: how far apart in time and place two senses may present one event before it is
 // noticed, each with its source.
 //
-// The built-in ones are src/evaluate/thresholds.toml, which is part of the library and explains each. A user's
-// file has the same form; each pair and kind (time or place) that it names replaces the built-in entries of
-// that pair and kind. A pair without a threshold has an infinite one: that part of a difference is not
-// counted. Units: seconds and metres. Pure functions, any thread; parsing allocates.
+// The built-in ones are src/evaluate/thresholds.toml, which is part of the library and explains each. A file
+// of a user's own has the same form; each pair and kind (time or place) that it names replaces the built-in
+// entries of that pair and kind. A pair without a threshold has an infinite one: that part of a difference is
+// not counted. Units: seconds and metres. Pure functions, any thread; parsing allocates.
 #pragma once
 
 #include <filesystem>
