@@ -25,8 +25,8 @@ constexpr double low_reductions[8][low_bands] = {
     {-27, -19, -14, -9, -4, 0, -6, -2, 0, -2, 0},  {-25, -17, -12, -9, -3, 0, -5, -2, 0, -2, 0},
     {-23, -16, -11, -7, -3, 0, -4, -1, 0, -1, 0},  {-20, -14, -10, -6, -3, 0, -4, -1, 0, -1, 0},
     {-18, -12, -9, -6, -2, 0, -3, -1, 0, -1, 0},   {-15, -10, -8, -4, -2, 0, -3, -1, 0, -1, 0}};
-// Per critical band, in dB: threshold in quiet, transmission to the inner ear, diffuse against free field, and
-// critical band against third octave.
+// Per critical band, in dB: threshold in quiet, transmission to the inner ear, diffuse against free field,
+// and critical band against third octave.
 constexpr double quiet_threshold[critical_bands] = {30, 18, 12, 8, 7, 6, 5, 4, 3, 3,
                                                     3,  3,  3,  3, 3, 3, 3, 3, 3, 3};
 constexpr double ear_transmission[critical_bands] = {0,    0,    0,    0,    0,    0,  0,    0, 0, 0,
