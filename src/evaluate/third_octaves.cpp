@@ -28,14 +28,20 @@ Complex square_root(Complex z) {
   return {real, z.imag() < 0 ? -imaginary : imaginary};
 }
 
+// Not by the compiler's own division, whose rounding differs from library to library.
+Complex quotient(Complex above, Complex below) {
+  return above * std::conj(below) / std::norm(below);
+}
+
 // The factor with the pole pair of the analogue pole `p`, with unit gain at `centre` (radians a sample).
 BandSection section_of(Complex p, double centre) {
-  const Complex pole = (1.0 + p) / (1.0 - p);
+  const Complex pole = quotient(1.0 + p, 1.0 - p);
   BandSection section{1, -2 * pole.real(), std::norm(pole)};
   const auto [sine, cosine] = elementary::sin_cos(centre);
   const Complex delay(cosine, -sine), delay2 = delay * delay;
-  const Complex response = (1.0 - delay2) / (1.0 + section.a1 * delay + section.a2 * delay2);
-  section.gain = 1 / elementary::hypot(response.real(), response.imag());
+  const Complex above = 1.0 - delay2, below = 1.0 + section.a1 * delay + section.a2 * delay2;
+  section.gain =
+      elementary::hypot(below.real(), below.imag()) / elementary::hypot(above.real(), above.imag());
   return section;
 }
 

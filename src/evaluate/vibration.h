@@ -63,8 +63,8 @@ struct VibrationIntensity {
 // The root mean square, over the whole trace and without its mean, in each channel.
 VibrationIntensity vibration_intensity(std::span<const double> displacement, double rate);
 
-// Displacement of skin that is pressed with a force in N: force over stiffness in N/m. 1000 N/m is the order of
-// a fingertip's under 1 N.
+// Displacement of skin that is pressed with a force in N: force over stiffness in N/m. 1000 N/m is the order
+// of a fingertip's under 1 N.
 std::vector<double> displacement_of_force(std::span<const double> force, double stiffness = 1000);
 
 inline constexpr double least_weber_fraction = 0.20, greatest_weber_fraction = 0.58;

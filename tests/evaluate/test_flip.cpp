@@ -74,13 +74,13 @@ TEST_CASE("FLIP of a pattern is what its published implementation computes") {
       {30, 0.3147598, {0.233529, 0.979351, 0.435076, 0.375825, 0.058992, 0.511404}},
       {120, 0.3476311, {0.121269, 0.969777, 0.522347, 0.455931, 0.086991, 0.653772}}};
   const int places[6][2] = {{0, 0}, {30, 20}, {71, 55}, {40, 50}, {10, 10}, {44, 30}};
-  for (const auto& [pixels_per_degree, mean, pixels] : expected) {
-    const FlipMap map = flip(pattern(false), pattern(true), pixels_per_degree).value();
-    CAPTURE(pixels_per_degree);
+  for (const auto& test : expected) {
+    const FlipMap map = flip(pattern(false), pattern(true), test.pixels_per_degree).value();
+    CAPTURE(test.pixels_per_degree);
     CAPTURE(map.mean);
-    CHECK(std::abs(map.mean - mean) < 1e-6);
+    CHECK(std::abs(map.mean - test.mean) < 1e-6);
     for (int k = 0; k < 6; ++k)
-      CHECK(std::abs(double(map.error.at(places[k][0], places[k][1], 0)) - pixels[k]) < 1e-5);
+      CHECK(std::abs(double(map.error.at(places[k][0], places[k][1], 0)) - test.pixels[k]) < 1e-5);
   }
 }
 
