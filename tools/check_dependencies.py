@@ -48,7 +48,7 @@ TEXELS_ONLY_IN_SURFACE = re.compile(r"^surface/image/")
 
 # A third-party library may be included by these only.
 LIBRARIES = {
-    "btBullet": "src/dynamics", "LinearMath/": "src/dynamics", "BulletCollision/": "src/dynamics", "libqhull_r/": "src/contact",
+    "btBullet": "src/dynamics src/evaluate", "LinearMath/": "src/dynamics", "BulletCollision/": "src/dynamics", "libqhull_r/": "src/contact",
     "spng.h": "src/core src/surface", "turbojpeg.h": "src/surface", "OpenEXR/": "src/surface", "epoxy/": "src/render apps/window", "SDL2/": "apps/window",
     "imgui/": "apps/window", "dmumps_c.h": "src/sound/bake", "metis.h": "src/sound/bake", "sndfile": "src/sound/audio",
     "rtaudio/": "src/sound/audio", "hwy/": "src/sound", "toml++": "src/core", "embree3/": "src/surface src/mesh",

@@ -1,0 +1,222 @@
+#include "evaluate/mesh_floor.h"
+
+#include <btBulletDynamicsCommon.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace intaglio::evaluate {
+
+namespace {
+
+btVector3 to_bullet(const Vec3& v) {
+  return {btScalar(v.x()), btScalar(v.y()), btScalar(v.z())};
+}
+
+Vec3 from_bullet(const btVector3& v) {
+  return {double(v.x()), double(v.y()), double(v.z())};
+}
+
+}  // namespace
+
+struct MeshFloor::Bullet {
+  std::vector<btVector3> vertices;
+  std::vector<int> indices;
+  std::unique_ptr<btTriangleIndexVertexArray> arrays;
+  std::unique_ptr<btBvhTriangleMeshShape> shape;
+  std::size_t tree_bytes = 0;
+};
+
+MeshFloor::MeshFloor(const Reference& truth, const surface::Placement& placement, int cells)
+    : cells_(cells), placement_(placement), bullet_(std::make_unique<Bullet>()) {
+  const int side = cells + 1;
+  const Vec2 size = placement.size();
+  for (int j = 0; j < side; ++j) {
+    for (int i = 0; i < side; ++i) {
+      const Vec2 p(size.x() * i / cells, size.y() * j / cells);
+      z_.push_back(truth.height(p));
+      bullet_->vertices.push_back(to_bullet(placement.to_world({p.x(), p.y(), z_.back()})));
+    }
+  }
+  for (int j = 0; j < cells; ++j) {
+    for (int i = 0; i < cells; ++i) {
+      const int a = j * side + i, b = a + 1, c = a + side, d = c + 1;
+      for (const int k : {a, b, d, a, d, c}) bullet_->indices.push_back(k);
+    }
+  }
+  bullet_->arrays = std::make_unique<btTriangleIndexVertexArray>(
+      2 * cells * cells, bullet_->indices.data(), int(3 * sizeof(int)), side * side, &bullet_->vertices[0][0],
+      int(sizeof(btVector3)));
+  bullet_->shape = std::make_unique<btBvhTriangleMeshShape>(bullet_->arrays.get(), true);
+  bullet_->tree_bytes = bullet_->shape->getOptimizedBvh()->calculateSerializeBufferSize();
+}
+
+MeshFloor::~MeshFloor() = default;
+
+std::size_t MeshFloor::bytes() const {
+  return bullet_->vertices.size() * sizeof(btVector3) + bullet_->indices.size() * sizeof(int) +
+         bullet_->tree_bytes;
+}
+
+MeshFloor::Height MeshFloor::at(double x, double y) const {
+  const Vec2 cell = placement_.size() / cells_;
+  const double across = std::clamp(x / cell.x(), 0.0, double(cells_));
+  const double up = std::clamp(y / cell.y(), 0.0, double(cells_));
+  const int i = std::min(int(across), cells_ - 1), j = std::min(int(up), cells_ - 1);
+  const double s = across - i, t = up - j;
+  const double a = vertex(i, j), b = vertex(i + 1, j), c = vertex(i, j + 1), d = vertex(i + 1, j + 1);
+  // The diagonal leads from a to d.
+  const Vec2 rise = s >= t ? Vec2(b - a, d - b) : Vec2(d - c, c - a);
+  return {a + s * rise.x() + t * rise.y(), rise.cwiseQuotient(cell)};
+}
+
+haptics::Penetration MeshSolid::at(const Vec3& p) const {
+  const surface::Placement& place = floor_->placement();
+  const Vec3 local = place.to_local(p);
+  if (!place.covers(local) || local.z() < -thickness_) return {};
+  const MeshFloor::Height under = floor_->at(local.x(), local.y());
+  return {under.z - local.z(), place.direction_to_world({under.slope.x(), under.slope.y(), -1})};
+}
+
+struct MeshWorld::State {
+  std::shared_ptr<const MeshFloor> floor;
+  double radius, step;
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher{&configuration};
+  btDbvtBroadphase broadphase;
+  btSequentialImpulseConstraintSolver solver;
+  btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+  std::unique_ptr<btSphereShape> shape;
+  std::unique_ptr<btRigidBody> ground, ball;
+  double time = 0;
+};
+
+MeshWorld::MeshWorld(std::shared_ptr<const MeshFloor> floor, const Material& floor_material, double radius,
+                     const Material& ball, double rate)
+    : state_(std::make_unique<State>()) {
+  State& s = *state_;
+  s.floor = std::move(floor);
+  s.radius = radius;
+  s.step = 1 / rate;
+  s.world.setGravity({0, btScalar(-9.81), 0});
+  const auto set = [](btRigidBody& body, const Material& material) {
+    body.setFriction(btScalar(std::sqrt(material.friction)));
+    body.setRestitution(btScalar(material.restitution));
+  };
+  btBvhTriangleMeshShape* mesh = s.floor->bullet().shape.get();
+  s.ground = std::make_unique<btRigidBody>(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, mesh));
+  set(*s.ground, floor_material);
+  s.world.addRigidBody(s.ground.get());
+  s.shape = std::make_unique<btSphereShape>(btScalar(radius));
+  const double mass = ball.density * 4.0 / 3 * std::numbers::pi * radius * radius * radius;
+  btVector3 inertia;
+  s.shape->calculateLocalInertia(btScalar(mass), inertia);
+  s.ball = std::make_unique<btRigidBody>(
+      btRigidBody::btRigidBodyConstructionInfo(btScalar(mass), nullptr, s.shape.get(), inertia));
+  set(*s.ball, ball);
+  // Bullet multiplies it by the other body's friction. World does the same (dynamics/world_state.cpp).
+  s.ball->setRollingFriction(btScalar((ball.rolling_resistance + floor_material.rolling_resistance) * radius /
+                                      std::sqrt(floor_material.friction)));
+  s.ball->setActivationState(DISABLE_DEACTIVATION);
+  s.world.addRigidBody(s.ball.get());
+}
+
+MeshWorld::~MeshWorld() {
+  state_->world.removeRigidBody(state_->ball.get());
+  state_->world.removeRigidBody(state_->ground.get());
+}
+
+void MeshWorld::put(const BodyState& state) {
+  btRigidBody& ball = *state_->ball;
+  const Quat& q = state.pose.orientation;
+  const btTransform at(btQuaternion(btScalar(q.x()), btScalar(q.y()), btScalar(q.z()), btScalar(q.w())),
+                       to_bullet(state.pose.position));
+  ball.setWorldTransform(at);
+  ball.setInterpolationWorldTransform(at);
+  ball.setLinearVelocity(to_bullet(state.velocity));
+  ball.setAngularVelocity(to_bullet(state.angular_velocity));
+  ball.clearForces();
+  state_->world.getBroadphase()->getOverlappingPairCache()->cleanProxyFromPairs(ball.getBroadphaseHandle(),
+                                                                                &state_->dispatcher);
+  touched_ = false;
+}
+
+BodyState MeshWorld::state() const {
+  const btTransform& at = state_->ball->getWorldTransform();
+  const btQuaternion q = at.getRotation();
+  return {{from_bullet(at.getOrigin()), Quat(double(q.w()), double(q.x()), double(q.y()), double(q.z()))},
+          from_bullet(state_->ball->getLinearVelocity()),
+          from_bullet(state_->ball->getAngularVelocity())};
+}
+
+void MeshWorld::step() {
+  state_->world.stepSimulation(btScalar(state_->step), 0);
+  state_->time += state_->step;
+  collect_events();
+}
+
+void MeshWorld::collect_events() {
+  events_.clear();
+  const State& s = *state_;
+  const BodyState now = state();
+  const surface::Placement& place = s.floor->placement();
+  const auto event_at = [&](const Vec3& point, const Vec3& normal) {
+    ContactEvent event;
+    event.time = s.time;
+    event.body = 1;
+    event.point = point;
+    event.uv = place.uv(place.to_local(point));
+    event.n_g = place.n();
+    event.n_s = normal;
+    event.v_t = now.velocity - now.velocity.dot(event.n_g) * event.n_g;
+    const Vec3 spin = now.angular_velocity.cross(point - now.pose.position);
+    event.spin = spin - spin.dot(event.n_g) * event.n_g;
+    event.duration = s.step;
+    event.body_pose = now.pose;
+    event.phase = touched_ ? ContactPhase::persist : ContactPhase::begin;
+    return event;
+  };
+  for (int k = 0; k < state_->dispatcher.getNumManifolds(); ++k) {
+    const btPersistentManifold& manifold = *state_->dispatcher.getManifoldByIndexInternal(k);
+    const bool is_ball_first = manifold.getBody0() == s.ball.get();
+    for (int c = 0; c < manifold.getNumContacts(); ++c) {
+      const btManifoldPoint& point = manifold.getContactPoint(c);
+      const double sign = is_ball_first ? 1 : -1;
+      const Vec3 normal = sign * from_bullet(point.m_normalWorldOnB);
+      const Vec3 impulse =
+          sign * (double(point.m_appliedImpulse) * from_bullet(point.m_normalWorldOnB) +
+                  double(point.m_appliedImpulseLateral1) * from_bullet(point.m_lateralFrictionDir1) +
+                  double(point.m_appliedImpulseLateral2) * from_bullet(point.m_lateralFrictionDir2));
+      if (!(double(point.m_appliedImpulse) > 0)) continue;
+      events_.push_back(event_at(
+          from_bullet(is_ball_first ? point.getPositionWorldOnB() : point.getPositionWorldOnA()), normal));
+      events_.back().impulse = impulse;
+    }
+  }
+  const bool touches = !events_.empty();
+  if (!touches && touched_) {
+    events_.push_back(event_at(now.pose.position - s.radius * place.n(), place.n()));
+    events_.back().phase = ContactPhase::end;
+  }
+  touched_ = touches;
+}
+
+std::vector<Vec3> MeshWorld::normals() {
+  state_->world.performDiscreteCollisionDetection();
+  std::vector<std::pair<double, Vec3>> found;
+  for (int k = 0; k < state_->dispatcher.getNumManifolds(); ++k) {
+    const btPersistentManifold& manifold = *state_->dispatcher.getManifoldByIndexInternal(k);
+    const double sign = manifold.getBody0() == state_->ball.get() ? 1 : -1;
+    for (int c = 0; c < manifold.getNumContacts(); ++c) {
+      const btManifoldPoint& point = manifold.getContactPoint(c);
+      found.push_back({double(point.getDistance()), sign * from_bullet(point.m_normalWorldOnB)});
+    }
+  }
+  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<Vec3> normals;
+  for (const auto& [distance, normal] : found) normals.push_back(normal);
+  return normals;
+}
+
+}  // namespace intaglio::evaluate

@@ -1,0 +1,34 @@
+// What a picture shows of the relief: the slope at every pixel, from how bright it is under four lamps.
+//
+// Photometric stereo (Woodham 1980) on rendered pixels: the surface is drawn from straight above under lamps
+// from the left, right, near and far, without shadows and sky; the difference of opposite pictures over their
+// sum is the slope, whatever the colour. So a normal map shows its slopes, a mesh its facets, a flat floor
+// nothing. A lamp stands 60 degrees high: slopes up to 1.7 are seen, steeper ones saturate. The pixels are
+// 8 bits deep: slopes are known to about 0.01. Needs EGL; 1 to 4 CPU seconds on llvmpipe.
+#pragma once
+
+#include <vector>
+
+#include "evaluate/subject.h"
+#include "intaglio/error.h"
+
+namespace intaglio::evaluate {
+
+class Sight {
+ public:
+  // `pixels` a side.
+  static Result<Sight> look(const Subject& subject, const Candidate& candidate, int pixels);
+
+  // dz/dx and dz/dy (local) seen at the pixel where a point (local, m) is drawn; bilinear.
+  Vec2 slope(const Vec3& point) const;
+  double cost() const { return cost_; }  // process-CPU seconds for one picture
+
+ private:
+  int pixels_ = 0;
+  double focal_ = 0, height_ = 0;  // pixels; m, of the eye
+  std::vector<Vec2> slopes_;       // row 0 = top
+  surface::Placement placement_{Vec3::Zero(), Quat::Identity(), 1, 1};
+  double cost_ = 0;
+};
+
+}  // namespace intaglio::evaluate
