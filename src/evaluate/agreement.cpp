@@ -121,8 +121,8 @@ std::vector<std::size_t> features_of(const Relief& relief, double radius, double
   return kept;
 }
 
-// For each value of a crossing's series: the value of the reference's at which its probe is at the same place
-// along the path. Where both rest, time goes on.
+// For each value of a crossing's series: the value of the reference's at which its probe is at the same
+// place along the path. Where both rest, time goes on.
 Series same_places(const Crossing& crossing, const Crossing& reference, const report::Path& true_path) {
   const double seconds = double(reference.place.size()) / reference.rate;
   const double creep = 0.05 * true_path.distance.back() / std::max(seconds, 1e-9);  // m/s
@@ -170,7 +170,7 @@ Delivered reference_series(const Reference& truth, const Crossing& reference, co
       change[k] =
           (reference.place[k] - 2 * reference.place[k - 1] + reference.place[k - 2]).norm() * rate * rate;
   }
-  // What is heard grows less than in proportion.
+  // Loudness grows less than in proportion.
   for (double& value : change) value = std::sqrt(value);
   out.of[std::size_t(Sense::picture)] = std::move(seen);
   out.of[std::size_t(Sense::sound)] = std::move(change);
@@ -260,7 +260,7 @@ Traces with_fault(const Traces& traces, Sense sense, const StreamFault& fault) {
   for (std::size_t k = 0; k < from.size(); ++k) {
     double at = double(k) - fault.delay * traces.rate;
     if (fault.shift != 0 && at >= 0) {
-      // What was delivered where the probe is now less the shift.
+      // The value delivered where the probe was the shift earlier.
       const double wanted = value_at(traces.distance, at) - fault.shift;
       at = double(std::lower_bound(traces.distance.begin(), traces.distance.end(), wanted) -
                   traces.distance.begin());
@@ -307,7 +307,7 @@ double variation(const Series& series, std::int64_t from, std::int64_t to) {
 
 Lag best_lag(const Traces::Series& series, std::int64_t from, std::int64_t to, std::int64_t around,
              std::int64_t reach) {
-  // Of two lags that fit equally well the nearer one is meant.
+  // If two lags fit equally well, the nearer one is right.
   constexpr double pull = 0.1;
   std::vector<double> at;
   for (std::int64_t lag = around - reach - 1; lag <= around + reach + 1; ++lag) {

@@ -1,18 +1,17 @@
 // How far the senses agree on what a probe crosses, in just noticeable differences. docs/evaluate.md defines
 // it and says what is borrowed from the literature and what is unproven.
 //
-// A feature is an extremum of the height, or of the curvature, of the relief that the reference's probe rests
-// on, filtered at the probe's radius, along its path; one list serves all representations. Each sense's
-// output is a series in time: slopes that are seen and felt, accelerations, and how strongly the sound is
-// excited; the reference has the same series, each at the moment at which the probe is drawn at the same
-// place. A sense delivers a feature when, around it, its series
-// correlates with the reference's at some lag within +-100 ms; the lag of the best correlation is its delay.
-// A series that does not correlate, or hardly varies, misses the feature. Excitations far from any feature
-// are false alarms.
+// A feature is an extremum of the height, or of the curvature, of the relief that the reference's probe
+// rests on, filtered at the probe's radius, along its path; one list serves all representations. Each
+// sense's output is a series in time: slopes that are seen and felt, accelerations, and how strongly the
+// sound is excited; the reference has the same series, each at the moment at which the probe is drawn at the
+// same place. A sense delivers a feature when, around it, its series correlates with the reference's at some
+// lag within +-100 ms; the lag of the best correlation is its delay. A series that does not correlate, or
+// hardly varies, misses the feature. Excitations far from any feature are false alarms.
 //
-// For a pair of senses x = sqrt((dt / T)^2 + (ds / S)^2): dt is the difference of their delays, ds the distance
-// that the hand moves in it, T and S the thresholds of the pair (thresholds.h). A feature that a sense misses
-// counts x = 3. Pure; any thread.
+// For a pair of senses x = sqrt((dt / T)^2 + (ds / S)^2): dt is the difference of their delays, ds the
+// distance that the hand moves in it, T and S the thresholds of the pair (thresholds.h). A feature that a
+// sense misses counts x = 3. Pure; any thread.
 #pragma once
 
 #include <array>

@@ -1,8 +1,8 @@
 // One probe that crosses the relief, and what each sense delivers of it: a pen in a hand, or a ball.
 //
-// Everything in a crossing is a sense's own output: where the probe is drawn, the force at the hand, the ball's
-// motion, the samples of sound. Pictures are seen separately (evaluate/sight.h). SI units; local coordinates
-// of the surface. Deterministic; seconds of CPU at most; any thread.
+// Everything in a crossing is a sense's own output: where the probe is drawn, the force at the hand, the
+// ball's motion, the samples of sound. Pictures are seen separately (evaluate/sight.h). SI units; local
+// coordinates of the surface. Deterministic; seconds of CPU at most; any thread.
 #pragma once
 
 #include <cstdint>
@@ -48,7 +48,8 @@ struct RollOptions {
   double seconds = 1;
   double restart = 0.1;  // s, after which a candidate's ball starts again from the reference's state
 };
-// A ball on the reference that is set down rolling, and the state after every 1 / reference_rate s; no sound.
+// A ball on the reference that is set down rolling, and the state after every 1 / reference_rate s; no
+// sound.
 struct ReferenceRoll {
   Crossing crossing;
   std::vector<BodyState> states;  // local, from the start on

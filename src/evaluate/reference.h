@@ -67,8 +67,8 @@ class Reference {
   std::vector<float> z_;  // m; point (i, j) at ((i + 0.5) spacing_x, (j + 0.5) spacing_y)
 };
 
-// The reference of what a texture's name means: a recipe, or images. `surface` is the relief that was made of
-// it at the wanted size and depth.
+// The reference of what a texture's name means: a recipe, or images. `surface` is the relief that was made
+// of it at the wanted size and depth.
 Result<std::shared_ptr<const Reference>> make_reference(const std::string& texture,
                                                         const surface::Surface& surface, int grid);
 

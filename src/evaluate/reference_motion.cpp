@@ -19,7 +19,7 @@ ReferenceBall::ReferenceBall(const Reference& truth, double radius, const Materi
 
 void ReferenceBall::find_contacts() {
   contacts_.clear();
-  // What the ball may reach within a step.
+  // The distance that the ball may cover within a step.
   const double margin = 1e-4 + state_.velocity.norm() * dt_;
   for (const Nearest& near : truth_.nearest(state_.pose.position, radius_ + margin)) {
     if (!(near.distance > 0)) continue;

@@ -1,8 +1,8 @@
 // How a ball and a pen move on the reference: rigid bodies on a brute-force relief at 3,840 Hz.
 //
-// Independent of dynamics/ and haptics/: no Bullet, no proxy of ours; the laws are the same (Coulomb friction,
-// restitution, rolling resistance, a spring between hand and tip). SI units, local coordinates of the surface
-// (z up, out of it); the surface is horizontal. Deterministic. About 30 us a step of the ball.
+// Independent of dynamics/ and haptics/: no Bullet, no proxy of ours; the laws are the same (Coulomb
+// friction, restitution, rolling resistance, a spring between hand and tip). SI units, local coordinates of
+// the surface (z up, out of it); the surface is horizontal. Deterministic. About 30 us a step of the ball.
 #pragma once
 
 #include <vector>
@@ -48,8 +48,8 @@ class ReferenceBall {
   bool touches_ = false;
 };
 
-// The tip of a pen that a spring ties to the hand: it slides over the relief, never into it, and sticks within
-// the cone of friction (the god object of Zilles and Salisbury, 1995, on the exact relief).
+// The tip of a pen that a spring ties to the hand: it slides over the relief, never into it, and sticks
+// within the cone of friction (the god object of Zilles and Salisbury, 1995, on the exact relief).
 class ReferencePen {
  public:
   ReferencePen(const Reference& truth, double radius, double stiffness, double friction)

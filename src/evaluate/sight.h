@@ -1,10 +1,10 @@
-// What a picture shows of the relief: the slope at every pixel, from how bright it is under four lamps.
+// The slope that a picture shows at every pixel, from how bright it is under four lamps.
 //
 // Photometric stereo (Woodham 1980) on rendered pixels: the surface is drawn from straight above under lamps
-// from the left, right, near and far, without shadows and sky; the difference of opposite pictures over their
-// sum is the slope, whatever the colour. So a normal map shows its slopes, a mesh its facets, a flat floor
-// nothing. A lamp stands 60 degrees high: slopes up to 1.7 are seen, steeper ones saturate. The pixels are
-// 8 bits deep: slopes are known to about 0.01. Needs EGL; 1 to 4 CPU seconds on llvmpipe.
+// from the left, right, near and far, without shadows and sky; the difference of opposite pictures over
+// their sum is the slope, whatever the colour. So a normal map shows its slopes, a mesh its facets, a flat
+// floor nothing. A lamp stands 60 degrees high: slopes up to 1.7 are seen, steeper ones saturate. The pixels
+// are 8 bits deep: slopes are known to about 0.01. Needs EGL; 1 to 4 CPU seconds on llvmpipe.
 #pragma once
 
 #include <vector>

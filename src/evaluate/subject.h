@@ -1,11 +1,11 @@
-// A texture under evaluation: its reference, and the seven representations of it that are compared, each as a
-// scene with one ball and one pen.
+// A texture under evaluation: its reference, and the seven representations of it that are compared, each as
+// a scene with one ball and one pen.
 //
 // All representations are made of the same texture at the same size and depth. The paper's are made of the
-// raw maps and use its methods (Sterling & Lin 2016, §1.2 and §1.3); ours use the fused maps and the defaults
-// of scenes. The meshes are regular grids of the reference's heights, as a game would have them instead of a
-// texture: Bullet collides with them, our own proxy touches their triangles, and they are drawn without a
-// normal map (§1.4.1). Making a subject takes 2 to 6 s; afterwards it is immutable.
+// raw maps and use its methods (Sterling & Lin 2016, §1.2 and §1.3); ours use the fused maps and the
+// defaults of scenes. The meshes are regular grids of the reference's heights, as a game would have them
+// instead of a texture: Bullet collides with them, our own proxy touches their triangles, and they are drawn
+// without a normal map (§1.4.1). Making a subject takes 2 to 6 s; afterwards it is immutable.
 #pragma once
 
 #include <array>
