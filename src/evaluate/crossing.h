@@ -26,6 +26,10 @@ struct Crossing {
   double sample_rate = 44100;     // Hz
   std::vector<float> sound = {};  // Pa at 1 m, the first sample at time 0
 
+  // m, local, of a candidate's ball: how far it is from the reference's when it has run on its own for
+  // RollOptions::restart seconds.
+  std::vector<Vec3> strayed = {};
+
   // CPU seconds of each step.
   double touch_cost = 0, motion_cost = 0, sound_cost = 0;
 
@@ -39,8 +43,12 @@ struct StrokeOptions {
 };
 // A hand (led_hand.h) that strokes along a line; servo at 1 kHz.
 Crossing stroke(const Subject& subject, const Candidate& candidate, const StrokeOptions& options);
-// The same hand on the reference; no sound.
+// The same hand on the reference.
 Crossing reference_stroke(const Subject& subject, const StrokeOptions& options);
+
+// Work of the texture on a hand that is led round a circle, once a second, at constant height: J a round, the
+// mean of four. A surface that gives energy (above 0) feels alive; friction takes some.
+double loop_energy(const Subject& subject, const Candidate& candidate, const Vec2& centre, double radius);
 
 struct RollOptions {
   Vec2 from = Vec2::Zero();      // m, local

@@ -1,5 +1,7 @@
 #include "evaluate/mesh_floor.h"
 
+#include "evaluate/cpu_timer.h"
+
 #include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
@@ -30,6 +32,7 @@ struct MeshFloor::Bullet {
 
 MeshFloor::MeshFloor(const Reference& truth, const surface::Placement& placement, int cells)
     : cells_(cells), placement_(placement), bullet_(std::make_unique<Bullet>()) {
+  const CpuTimer timer(build_seconds_);
   const int side = cells + 1;
   const Vec2 size = placement.size();
   for (int j = 0; j < side; ++j) {
@@ -89,7 +92,6 @@ struct MeshWorld::State {
   btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
   std::unique_ptr<btSphereShape> shape;
   std::unique_ptr<btRigidBody> ground, ball;
-  double time = 0;
 };
 
 MeshWorld::MeshWorld(std::shared_ptr<const MeshFloor> floor, const Material& floor_material, double radius,
@@ -139,7 +141,6 @@ void MeshWorld::put(const BodyState& state) {
   ball.clearForces();
   state_->world.getBroadphase()->getOverlappingPairCache()->cleanProxyFromPairs(ball.getBroadphaseHandle(),
                                                                                 &state_->dispatcher);
-  touched_ = false;
 }
 
 BodyState MeshWorld::state() const {
@@ -152,54 +153,25 @@ BodyState MeshWorld::state() const {
 
 void MeshWorld::step() {
   state_->world.stepSimulation(btScalar(state_->step), 0);
-  state_->time += state_->step;
-  collect_events();
 }
 
-void MeshWorld::collect_events() {
-  events_.clear();
-  const State& s = *state_;
-  const BodyState now = state();
-  const surface::Placement& place = s.floor->placement();
-  const auto event_at = [&](const Vec3& point, const Vec3& normal) {
-    ContactEvent event;
-    event.time = s.time;
-    event.body = 1;
-    event.point = point;
-    event.uv = place.uv(place.to_local(point));
-    event.n_g = place.n();
-    event.n_s = normal;
-    event.v_t = now.velocity - now.velocity.dot(event.n_g) * event.n_g;
-    const Vec3 spin = now.angular_velocity.cross(point - now.pose.position);
-    event.spin = spin - spin.dot(event.n_g) * event.n_g;
-    event.duration = s.step;
-    event.body_pose = now.pose;
-    event.phase = touched_ ? ContactPhase::persist : ContactPhase::begin;
-    return event;
-  };
+std::vector<TouchPoint> MeshWorld::touches() const {
+  std::vector<TouchPoint> out;
   for (int k = 0; k < state_->dispatcher.getNumManifolds(); ++k) {
     const btPersistentManifold& manifold = *state_->dispatcher.getManifoldByIndexInternal(k);
-    const bool is_ball_first = manifold.getBody0() == s.ball.get();
+    const bool is_ball_first = manifold.getBody0() == state_->ball.get();
+    const double sign = is_ball_first ? 1 : -1;
     for (int c = 0; c < manifold.getNumContacts(); ++c) {
       const btManifoldPoint& point = manifold.getContactPoint(c);
-      const double sign = is_ball_first ? 1 : -1;
-      const Vec3 normal = sign * from_bullet(point.m_normalWorldOnB);
-      const Vec3 impulse =
-          sign * (double(point.m_appliedImpulse) * from_bullet(point.m_normalWorldOnB) +
-                  double(point.m_appliedImpulseLateral1) * from_bullet(point.m_lateralFrictionDir1) +
-                  double(point.m_appliedImpulseLateral2) * from_bullet(point.m_lateralFrictionDir2));
       if (!(double(point.m_appliedImpulse) > 0)) continue;
-      events_.push_back(event_at(
-          from_bullet(is_ball_first ? point.getPositionWorldOnB() : point.getPositionWorldOnA()), normal));
-      events_.back().impulse = impulse;
+      const Vec3 impulse = double(point.m_appliedImpulse) * from_bullet(point.m_normalWorldOnB) +
+                           double(point.m_appliedImpulseLateral1) * from_bullet(point.m_lateralFrictionDir1) +
+                           double(point.m_appliedImpulseLateral2) * from_bullet(point.m_lateralFrictionDir2);
+      out.push_back({from_bullet(is_ball_first ? point.getPositionWorldOnB() : point.getPositionWorldOnA()),
+                     sign * from_bullet(point.m_normalWorldOnB), sign * impulse});
     }
   }
-  const bool touches = !events_.empty();
-  if (!touches && touched_) {
-    events_.push_back(event_at(now.pose.position - s.radius * place.n(), place.n()));
-    events_.back().phase = ContactPhase::end;
-  }
-  touched_ = touches;
+  return out;
 }
 
 std::vector<Vec3> MeshWorld::normals() {

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "evaluate/reference.h"
@@ -24,7 +23,8 @@ class MeshFloor {
 
   int cells() const { return cells_; }
   std::size_t vertices() const { return z_.size(); }
-  std::size_t bytes() const;  // vertices, triangles and Bullet's tree
+  std::size_t bytes() const;                               // vertices, triangles and Bullet's tree
+  double build_seconds() const { return build_seconds_; }  // thread-CPU
   const surface::Placement& placement() const { return placement_; }
   // Height of the triangle under local (x, y), and its slope. Clamped to the rectangle.
   struct Height {
@@ -43,6 +43,7 @@ class MeshFloor {
   surface::Placement placement_;
   std::vector<double> z_;  // m, local
   std::unique_ptr<Bullet> bullet_;
+  double build_seconds_ = 0;
 };
 
 // The mesh as the proxy feels it: its triangles, without a footprint.
@@ -63,7 +64,13 @@ struct BodyState {
   Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();
 };
 
-// One ball on a mesh in a Bullet world of its own, at that many steps a second.
+// Where two bodies touched during a step.
+struct TouchPoint {
+  Vec3 point, normal;  // m; unit, towards the moving body
+  Vec3 impulse;        // N s, on it
+};
+
+// One ball on a mesh in a Bullet world of its own, at that many steps a second. World frame.
 class MeshWorld {
  public:
   MeshWorld(std::shared_ptr<const MeshFloor> floor, const Material& floor_material, double radius,
@@ -73,18 +80,15 @@ class MeshWorld {
   void put(const BodyState& state);
   void step();
   BodyState state() const;
-  // Contacts of the last step, as intaglio::World gives them.
-  std::span<const ContactEvent> events() const { return events_; }
+  // Those of the last step.
+  std::vector<TouchPoint> touches() const;
   // Normals of the contacts at the body's pose, deepest first, without a step.
   std::vector<Vec3> normals();
 
  private:
   struct State;
-  void collect_events();
 
   std::unique_ptr<State> state_;
-  std::vector<ContactEvent> events_;
-  bool touched_ = false;
 };
 
 }  // namespace intaglio::evaluate

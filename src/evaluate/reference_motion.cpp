@@ -75,6 +75,15 @@ void ReferenceBall::step() {
   state_.pose.orientation = (rotation(dt_ * state_.angular_velocity) * state_.pose.orientation).normalized();
 }
 
+std::vector<TouchPoint> ReferenceBall::touch_points() const {
+  std::vector<TouchPoint> out;
+  for (const Contact& c : contacts_)
+    if (c.normal_impulse > 0)
+      out.push_back(
+          {state_.pose.position + c.arm, c.normal, c.normal_impulse * c.normal + c.friction_impulse});
+  return out;
+}
+
 std::vector<Vec3> ReferenceBall::normals_at(const Vec3& centre) const {
   std::vector<Vec3> out;
   for (const Nearest& near : truth_.nearest(centre, 1.02 * radius_))

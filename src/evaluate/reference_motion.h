@@ -25,6 +25,7 @@ class ReferenceBall {
   const BodyState& state() const { return state_; }
   void step();
   bool touches() const { return touches_; }
+  std::vector<TouchPoint> touch_points() const;  // of the last step
   // Normals of the contacts, nearest first, of a ball there.
   std::vector<Vec3> normals_at(const Vec3& centre) const;
   // Kinetic and potential energy, J.

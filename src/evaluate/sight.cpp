@@ -1,25 +1,18 @@
 #include "evaluate/sight.h"
 
-#include <time.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 
 #include "core/portable_math.h"
+#include "evaluate/cpu_timer.h"
 #include "render/renderer.h"
 #include "scene/picture.h"
 
 namespace intaglio::evaluate {
 
 namespace {
-
-double process_seconds() {
-  timespec t;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
-}
 
 // Scene light of a pixel: the inverse of sRGB and of the film curve of shaders/lighting.glsl.
 std::array<double, 256> light_of_pixels() {
@@ -74,12 +67,12 @@ Result<Sight> Sight::look(const Subject& subject, const Candidate& candidate, in
   const double tan_height = std::sqrt(3.0);  // of 60 degrees
   const std::array<Vec3, 4> lamps = {Vec3(1, tan_height, 0), Vec3(-1, tan_height, 0), Vec3(0, tan_height, -1),
                                      Vec3(0, tan_height, 1)};
-  const double start = process_seconds();
+  const double start = cpu_seconds(CLOCK_PROCESS_CPUTIME_ID);
   for (std::size_t k = 0; k < 4; ++k) {
     frame.light.direction = lamps[k];
     pictures[k] = (*renderer)->draw(frame);
   }
-  sight.cost_ = (process_seconds() - start) / 4;
+  sight.cost_ = (cpu_seconds(CLOCK_PROCESS_CPUTIME_ID) - start) / 4;
   const auto count = std::size_t(pixels) * std::size_t(pixels);
   sight.slopes_.resize(count, Vec2::Zero());
   for (std::size_t p = 0; p < count; ++p) {

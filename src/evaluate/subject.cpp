@@ -1,7 +1,6 @@
 #include "evaluate/subject.h"
 
-#include <time.h>
-
+#include "evaluate/cpu_timer.h"
 #include "scene/voices/voices.h"
 
 namespace intaglio::evaluate {
@@ -17,21 +16,6 @@ constexpr std::array<Candidate, kinds> all = {{
     {Kind::mesh_256, "mesh_256", "coarse mesh, 256²", Representation::relief, false, 256},
     {Kind::mesh_512, "mesh_512", "fine mesh, 512²", Representation::relief, false, 512},
 }};
-
-class CpuTimer {
- public:
-  explicit CpuTimer(double& sum) : sum_(sum), start_(now()) {}
-  ~CpuTimer() { sum_ += now() - start_; }
-
- private:
-  static double now() {
-    timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
-  }
-  double& sum_;
-  double start_;
-};
 
 }  // namespace
 

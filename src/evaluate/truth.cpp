@@ -1,0 +1,138 @@
+#include "evaluate/truth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "contact/surface_contacts.h"
+#include "core/portable_math.h"
+#include "evaluate/loudness.h"
+#include "evaluate/reference_motion.h"
+#include "evaluate/spectrum_distance.h"
+#include "evaluate/vibration.h"
+
+namespace intaglio::evaluate {
+
+namespace {
+
+constexpr double degrees = 180 / std::numbers::pi;
+
+double angle(const Vec3& a, const Vec3& b) {
+  return elementary::acos(std::clamp(a.normalized().dot(b.normalized()), -1.0, 1.0)) * degrees;
+}
+
+// Root mean square of what a mean over 10 ms leaves.
+double fast_part(const std::vector<double>& series, double rate) {
+  const auto half = std::int64_t(std::lround(0.005 * rate));
+  const auto n = std::int64_t(series.size());
+  std::vector<double> sum(series.size() + 1, 0.0);
+  for (std::size_t k = 0; k < series.size(); ++k) sum[k + 1] = sum[k] + series[k];
+  double squares = 0;
+  for (std::int64_t k = half; k + half < n; ++k) {
+    const double around =
+        (sum[std::size_t(k + half + 1)] - sum[std::size_t(k - half)]) / double(2 * half + 1);
+    squares += (series[std::size_t(k)] - around) * (series[std::size_t(k)] - around);
+  }
+  return n > 2 * half ? std::sqrt(squares / double(n - 2 * half)) : 0;
+}
+
+}  // namespace
+
+TouchError touch_error(const Crossing& crossing, const Crossing& reference) {
+  TouchError out;
+  std::vector<double> felt, wanted;
+  double squares = 0, angles = 0;
+  std::size_t both = 0;
+  for (std::size_t k = 0; k < crossing.force.size(); ++k) {
+    const double at = (crossing.time(k) - reference.start) * reference.rate;
+    if (at < 0 || at >= double(reference.force.size())) continue;
+    const Vec3 &force = crossing.force[k], &truth = reference.force[std::size_t(at)];
+    squares += (force - truth).squaredNorm();
+    felt.push_back(force.norm());
+    wanted.push_back(truth.norm());
+    if (force.norm() > 0.02 && truth.norm() > 0.02) {
+      angles += angle(force, truth);
+      ++both;
+    }
+  }
+  if (felt.empty()) return out;
+  out.force_n = std::sqrt(squares / double(felt.size()));
+  out.direction = both > 0 ? angles / double(both) : std::numeric_limits<double>::quiet_NaN();
+  out.buzz_n = std::max(0.0, fast_part(felt, crossing.rate) - fast_part(wanted, crossing.rate));
+  out.bands_db =
+      band_distance(vibration_energy(felt, crossing.rate), vibration_energy(wanted, crossing.rate));
+  const auto intensity = [&](const std::vector<double>& force) {
+    return vibration_intensity(displacement_of_force(force), crossing.rate).felt();
+  };
+  out.intensity_steps = intensity_steps(intensity(felt), intensity(wanted));
+  return out;
+}
+
+MotionError motion_error(const Crossing& crossing) {
+  MotionError out;
+  for (const Vec3& off : crossing.strayed) {
+    out.place_mm += off.head<2>().squaredNorm();
+    out.height_mm += off.z() * off.z();
+  }
+  const auto n = double(crossing.strayed.size());
+  out.place_mm = 1000 * std::sqrt(out.place_mm / n);
+  out.height_mm = 1000 * std::sqrt(out.height_mm / n);
+  return out;
+}
+
+double normal_error(const Subject& subject, const Candidate& candidate, const ReferenceRoll& reference) {
+  const scene::Scene scene = subject.scene(candidate);
+  const scene::SceneSurface& made = subject.surface(candidate);
+  const surface::Surface& surface = *made.surface;
+  const surface::Placement& place = surface.placement();
+  const double radius = subject.ball_radius();
+  const ReferenceBall truth(subject.reference(), radius, scene.balls[0].material, made.material);
+  std::optional<MeshWorld> mesh;
+  if (candidate.mesh_cells > 0)
+    mesh.emplace(subject.mesh(candidate), made.material, radius, scene.balls[0].material, scene.physics.rate);
+  const auto normal_at = [&](const Vec3& centre) -> std::optional<Vec3> {
+    // Normal maps by the paper and flat floors know the plane only.
+    const bool is_plane = candidate.kind == Kind::flat || candidate.kind == Kind::normal_paper;
+    const Pose pose{place.to_world({centre.x(), centre.y(), is_plane ? radius : centre.z()}),
+                    Quat::Identity()};
+    if (mesh) {
+      mesh->put({pose, Vec3::Zero(), Vec3::Zero()});
+      const auto normals = mesh->normals();
+      if (normals.empty()) return std::nullopt;
+      return place.direction_to_local(normals.front());
+    }
+    const double margin = 0.02 * radius;
+    const contact::Shape ball = contact::Sphere{radius};
+    const contact::ContactSet found =
+        candidate.kind == Kind::flat           ? contact::flat_contacts(surface, ball, pose, margin)
+        : candidate.kind == Kind::normal_paper ? contact::normal_map_contacts(surface, ball, pose, margin)
+        : candidate.kind == Kind::relief_paper ? contact::directional_contacts(surface, ball, pose, margin)
+                                               : contact::relief_contacts(surface, ball, pose, margin);
+    if (found.count == 0) return std::nullopt;
+    return place.direction_to_local(found.points[0].normal);
+  };
+  double sum = 0;
+  std::size_t count = 0;
+  const auto every = std::size_t(0.05 * reference_rate);
+  for (std::size_t k = every; k < reference.states.size(); k += every) {
+    if (!reference.crossing.touching[k - 1]) continue;
+    const Vec3& centre = reference.states[k].pose.position;
+    const std::vector<Vec3> normals = truth.normals_at(centre);
+    if (normals.empty()) continue;
+    double off = 90;
+    if (const auto normal = normal_at(centre))
+      for (const Vec3& true_normal : normals) off = std::min(off, angle(*normal, true_normal));
+    sum += off;
+    ++count;
+  }
+  return count > 0 ? sum / double(count) : std::numeric_limits<double>::quiet_NaN();
+}
+
+SoundError sound_error(const Crossing& crossing, const Crossing& reference) {
+  const auto loudness = [](const Crossing& of) { return loudness_over_time(of.sound, of.sample_rate); };
+  return {log_spectral_distance(crossing.sound, reference.sound, crossing.sample_rate, {.ignore_gain = true}),
+          loudness_distance(loudness(crossing), loudness(reference))};
+}
+
+}  // namespace intaglio::evaluate
