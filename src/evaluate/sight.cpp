@@ -33,12 +33,32 @@ std::array<double, 256> light_of_pixels() {
   return light;
 }
 
+// The same surface with a white colour map of the same size, which costs as much to draw.
+surface::Surface white(const surface::Surface& surface) {
+  surface::Texels texels;
+  texels.width = surface.width();
+  texels.height = surface.height();
+  texels.depth = surface.depth_texture();
+  const std::vector<float> normals = surface.normal_texture();
+  for (std::size_t k = 0; k < normals.size(); k += 3)
+    texels.normal.push_back({double(normals[k]), double(normals[k + 1]), double(normals[k + 2])});
+  const Image8& colour = surface.colour();
+  texels.colour = Image8(std::max(colour.width, 1), std::max(colour.height, 1), 3);
+  std::fill(texels.colour.data.begin(), texels.colour.data.end(), std::uint8_t{255});
+  return {std::move(texels), surface.placement(), surface.max_depth(), surface.edge()};
+}
+
 }  // namespace
 
-Result<Sight> Sight::look(const Subject& subject, const Candidate& candidate, int pixels) {
+Result<Sight> Sight::look(const Subject& subject, const Candidate& candidate, int pixels,
+                          const surface::Surface* drawn) {
+  return look(drawn ? *drawn : *subject.surface(candidate).surface, candidate, pixels);
+}
+
+Result<Sight> Sight::look(const surface::Surface& surface, const Candidate& candidate, int pixels) {
   static const std::array<double, 256> light = light_of_pixels();
-  const double side = subject.options().size;
-  const surface::Surface& shown = *subject.surface(candidate).surface;
+  const surface::Surface shown = white(surface);
+  const double side = shown.placement().size().maxCoeff();
   render::RendererOptions options;
   options.width = options.height = pixels;
   options.supersample = 2;
@@ -62,9 +82,9 @@ Result<Sight> Sight::look(const Subject& subject, const Candidate& candidate, in
   frame.camera.far = 1.1 * sight.height_;
   sight.focal_ = 0.5 * pixels / tangent;
   frame.light.sky = frame.light.ground = Vec3::Zero();
-  frame.light.colour = Vec3::Constant(5);
+  frame.light.colour = Vec3::Constant(1.5);  // the film curve is steep in all of what it gives
   std::array<Image8, 4> pictures;
-  const double tan_height = std::sqrt(3.0);  // of 60 degrees
+  const double tan_height = steepest;
   const std::array<Vec3, 4> lamps = {Vec3(1, tan_height, 0), Vec3(-1, tan_height, 0), Vec3(0, tan_height, -1),
                                      Vec3(0, tan_height, 1)};
   const double start = cpu_seconds(CLOCK_PROCESS_CPUTIME_ID);

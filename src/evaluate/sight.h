@@ -2,9 +2,11 @@
 //
 // Photometric stereo (Woodham 1980) on rendered pixels: the surface is drawn from straight above under lamps
 // from the left, right, near and far, without shadows and sky; the difference of opposite pictures over
-// their sum is the slope, whatever the colour. So a normal map shows its slopes, a mesh its facets, a flat
-// floor nothing. A lamp stands 60 degrees high: slopes up to 1.7 are seen, steeper ones saturate. The pixels
-// are 8 bits deep: slopes are known to about 0.01. Needs EGL; 1 to 4 CPU seconds on llvmpipe.
+// their sum is the slope. It is drawn white: on a dark surface the reflection of the lamps, which is no part
+// of that law, would be as bright as it. So a normal map shows its slopes, a mesh its vertices' normals, a
+// flat floor nothing. A lamp stands 60 degrees high: each component of the slope saturates at 1.73. The
+// pixels are 8 bits deep: slopes up to 1 are known to 0.02 (tests/evaluate/test_sight.cpp). Needs EGL; 1 to 4
+// CPU seconds on llvmpipe.
 #pragma once
 
 #include <vector>
@@ -16,8 +18,13 @@ namespace intaglio::evaluate {
 
 class Sight {
  public:
-  // `pixels` a side.
-  static Result<Sight> look(const Subject& subject, const Candidate& candidate, int pixels);
+  static constexpr double steepest = 1.7320508075688772;  // tan 60 degrees
+
+  // `pixels` a side. `drawn`: in place of the subject's surface (PictureReference::drawn).
+  static Result<Sight> look(const Subject& subject, const Candidate& candidate, int pixels,
+                            const surface::Surface* drawn = nullptr);
+  // A surface that lies flat about the origin, thinner than a twentieth of its side, in that way.
+  static Result<Sight> look(const surface::Surface& surface, const Candidate& candidate, int pixels);
 
   // dz/dx and dz/dy (local) seen at the pixel where a point (local, m) is drawn; bilinear.
   Vec2 slope(const Vec3& point) const;
