@@ -8,7 +8,6 @@
 // the time of a whole step, solver and all, divided by the bodies: median and 99th percentile over steps;
 // `in` is how deep bodies were in the true relief (p95 over bodies and steps, spheres only), mm, of the
 // floors that are relief or imply one. Textures above 1024 texels a side are upsampled (bench/brick.h).
-#include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
 #include <btBulletDynamicsCommon.h>
 #include <fmt/format.h>
 
@@ -21,116 +20,19 @@
 #include <utility>
 #include <vector>
 
-#include "bench/brick.h"
+#include "bench/floors.h"
 #include "core/portable_math.h"
-#include "dynamics/textured_shape.h"
 #include "intaglio/representation.h"
 #include "surface/closest.h"
 
 using namespace intaglio;
 using namespace intaglio::dynamics;
-using bench::cpu_seconds;
+using namespace intaglio::bench;
 
 namespace {
 
-constexpr double side = 4, depth = 0.08, radius = 0.1;
-constexpr int rate = 60;
-
-using SharedSurface = std::shared_ptr<const surface::Surface>;
-
-SharedSurface bricks(int size) {
-  return std::make_shared<const surface::Surface>(bench::brick(size, side));
-}
-
-// A floor that can be measured, and all that it needs to live.
-struct Floor {
-  std::string name;
-  int size = 0;  // texels a side
-  double build_ms = 0, bytes = 0;
-  bool is_relief = true;
-  SharedSurface surface;
-  std::unique_ptr<btTriangleMesh> triangles;
-  std::vector<float> heights;
-  std::unique_ptr<btCollisionShape> shape;
-  btVector3 at{0, 0, 0};
-};
-
-// Texels are at texel centres: n + 1 of them span n texels, so the floor begins half a texel out.
-btVector3 texel_at(const surface::Surface& s, int i, int j) {
-  const Vec3 at = s.placement().to_world({(i + 0.5) * s.texel_u(), (j + 0.5) * s.texel_v(), s.texel_z(i, j)});
-  return {btScalar(at.x()), btScalar(at.y()), btScalar(at.z())};
-}
-
-Floor plane(const SharedSurface& s) {
-  Floor out{"Bullet plane", 0, 0, 0, false, s, {}, {}, {}};
-  out.shape = std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0));
-  return out;
-}
-
-Floor mesh(const SharedSurface& s) {
-  Floor out{"Bullet mesh", s->width(), 0, 0, true, s, {}, {}, {}};
-  const double start = cpu_seconds();
-  out.triangles = std::make_unique<btTriangleMesh>();
-  const int n = s->width();
-  out.triangles->preallocateVertices((n + 1) * (n + 1));
-  out.triangles->preallocateIndices(6 * n * n);
-  for (int j = -1; j < n; ++j)
-    for (int i = -1; i < n; ++i) out.triangles->findOrAddVertex(texel_at(*s, i, j), false);
-  for (int j = 0; j < n; ++j) {
-    for (int i = 0; i < n; ++i) {
-      const int a = j * (n + 1) + i, b = a + 1, c = a + n + 1, d = c + 1;
-      out.triangles->addTriangleIndices(a, b, c);
-      out.triangles->addTriangleIndices(b, d, c);
-    }
-  }
-  auto shape = std::make_unique<btBvhTriangleMeshShape>(out.triangles.get(), true);
-  out.build_ms = 1e3 * (cpu_seconds() - start);
-  out.bytes =
-      16.0 * (n + 1) * (n + 1) + 24.0 * n * n + shape->getOptimizedBvh()->calculateSerializeBufferSize();
-  out.shape = std::move(shape);
-  return out;
-}
-
-Floor height_field(const SharedSurface& s) {
-  Floor out{"Bullet height field", s->width(), 0, 0, true, s, {}, {}, {}};
-  const double start = cpu_seconds();
-  const int n = s->width() + 1;
-  // Rows along +z, while v runs along -z.
-  for (int row = 0; row < n; ++row)
-    for (int i = -1; i < n - 1; ++i) out.heights.push_back(texel_at(*s, i, n - 2 - row).y());
-  auto shape = std::make_unique<btHeightfieldTerrainShape>(
-      n, n, out.heights.data(), btScalar(1), btScalar(-depth), btScalar(0), 1, PHY_FLOAT, false);
-  shape->setLocalScaling({btScalar(s->texel_u()), 1, btScalar(s->texel_v())});
-  out.build_ms = 1e3 * (cpu_seconds() - start);
-  out.bytes = 4.0 * n * n;
-  out.at = (texel_at(*s, -1, -1) + texel_at(*s, n - 2, n - 2)) / 2;
-  out.at.setY(btScalar(-depth / 2));  // Bullet puts the middle of the heights at the origin
-  out.shape = std::move(shape);
-  return out;
-}
-
-Floor textured(const std::string& name, const SharedSurface& s, const ContactOptions& options) {
-  Floor out{name, s->width(), 0, 0, options.representation == Representation::relief, s, {}, {}, {}};
-  const double start = cpu_seconds();
-  auto shape = std::make_unique<TexturedShape>(s, options);
-  out.build_ms = 1e3 * (cpu_seconds() - start);
-  out.bytes = double(s->memory_bytes());
-  if (out.is_relief) {
-    // From texels to a surface that can be asked.
-    const std::vector<float> depths = s->depth_texture();
-    const double begin = cpu_seconds();
-    const surface::Pyramid pyramid(depths, s->grid());
-    out.build_ms += 1e3 * (cpu_seconds() - begin);
-  }
-  if (&shape->relief() != s.get()) {
-    out.bytes += double(shape->relief().memory_bytes());
-    // Bodies move on the relief that the normals imply: they are thrown over that, and measured in it.
-    out.surface = SharedSurface(SharedSurface{}, &shape->relief());
-    out.is_relief = true;
-  }
-  out.shape = std::move(shape);
-  return out;
-}
+constexpr double side = bench::floor_side, radius = 0.1;
+constexpr int rate = FloorWorld::rate;
 
 struct Row {
   std::string floor, body;
@@ -141,29 +43,9 @@ struct Row {
 // Bodies of one shape on one floor.
 class Run {
  public:
-  Run(Floor& floor, btConvexShape& shape, int count) : floor_(floor) {
-    register_algorithms(dispatcher_);
-    world_.setGravity({0, btScalar(-9.81), 0});
-    ground_ = std::make_unique<btRigidBody>(
-        btRigidBody::btRigidBodyConstructionInfo(0, nullptr, floor.shape.get()));
-    ground_->getWorldTransform().setOrigin(floor.at);
-    ground_->setFriction(btScalar(0.707));
-    world_.addRigidBody(ground_.get());
-    btVector3 inertia;
-    shape.calculateLocalInertia(1, inertia);
-    for (int k = 0; k < count; ++k) {
-      btRigidBody::btRigidBodyConstructionInfo info(1, nullptr, &shape, inertia);
-      info.m_friction = btScalar(0.707);
-      bodies_.push_back(std::make_unique<btRigidBody>(info));
-      bodies_.back()->setActivationState(DISABLE_DEACTIVATION);
-      world_.addRigidBody(bodies_.back().get(), btBroadphaseProxy::DefaultFilter,
-                          btBroadphaseProxy::StaticFilter);
-    }
+  Run(Floor& floor, btConvexShape& shape, int count) : floor_(floor), world_(floor) {
+    for (int k = 0; k < count; ++k) world_.add(shape);
     is_sphere_ = shape.getShapeType() == SPHERE_SHAPE_PROXYTYPE;
-  }
-  ~Run() {
-    for (const auto& body : bodies_) world_.removeRigidBody(body.get());
-    world_.removeRigidBody(ground_.get());
   }
 
   // Microseconds a body, of each step.
@@ -172,11 +54,9 @@ class Run {
     for (int n = 0; n < throws; ++n) {
       throw_bodies();
       for (int k = 0; k < rate / 2; ++k) {
-        const double start = cpu_seconds();
-        world_.stepSimulation(btScalar(1) / rate, 0);
-        const double spent = cpu_seconds() - start;
+        const double spent = world_.timed_step();
         if (k < 3) continue;  // pairs are made
-        times.push_back(1e6 * spent / double(bodies_.size()));
+        times.push_back(1e6 * spent / double(world_.bodies().size()));
         if (floor_.is_relief && is_sphere_) note_depths(depths);
       }
     }
@@ -185,7 +65,7 @@ class Run {
     return {floor_.name,
             what,
             floor_.size,
-            int(bodies_.size()),
+            int(world_.bodies().size()),
             times[times.size() / 2],
             times[times.size() * 99 / 100],
             depths.empty() ? 0 : 1e3 * depths[depths.size() * 95 / 100],
@@ -195,27 +75,15 @@ class Run {
 
  private:
   void throw_bodies() {
-    for (const auto& body : bodies_) {
-      Vec3 at(random_.uniform(-0.3, 0.3) * side, 0.2, random_.uniform(-0.3, 0.3) * side);
-      const double clearance = is_sphere_ ? radius : 0.25;
-      for (int n = 0; n < 30; ++n) {
-        const double gap =
-            floor_.is_relief
-                ? closest_point(*floor_.surface, floor_.surface->placement().to_local(at))->distance
-                : at.y();
-        at.y() += clearance + 0.001 - gap;
-      }
+    for (const auto& body : world_.bodies()) {
+      const double x = random_.uniform(-0.3, 0.3) * side, z = random_.uniform(-0.3, 0.3) * side;
+      const Vec3 at = start_over(floor_, x, z, is_sphere_ ? radius : 0.25);
       const double angle = random_.uniform(0, 2 * std::numbers::pi), speed = random_.uniform(0.2, 1);
-      body->setWorldTransform(
-          btTransform(btQuaternion::getIdentity(), {btScalar(at.x()), btScalar(at.y()), btScalar(at.z())}));
-      body->setInterpolationWorldTransform(body->getWorldTransform());
-      body->setLinearVelocity({btScalar(speed * std::cos(angle)), 0, btScalar(speed * std::sin(angle))});
-      body->setAngularVelocity({0, 0, 0});
-      body->clearForces();
+      put(*body, at, {speed * std::cos(angle), 0, speed * std::sin(angle)}, Vec3::Zero());
     }
   }
   void note_depths(std::vector<double>& depths) const {
-    for (const auto& body : bodies_) {
+    for (const auto& body : world_.bodies()) {
       const btVector3& at = body->getWorldTransform().getOrigin();
       const auto nearest =
           closest_point(*floor_.surface, floor_.surface->placement().to_local({at.x(), at.y(), at.z()}));
@@ -224,15 +92,9 @@ class Run {
   }
 
   Floor& floor_;
+  FloorWorld world_;
   bool is_sphere_ = false;
   Random random_{7};
-  btDefaultCollisionConfiguration configuration_;
-  btCollisionDispatcher dispatcher_{&configuration_};
-  btDbvtBroadphase broadphase_;
-  btSequentialImpulseConstraintSolver solver_;
-  btDiscreteDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
-  std::unique_ptr<btRigidBody> ground_;
-  std::vector<std::unique_ptr<btRigidBody>> bodies_;
 };
 
 struct Body {
@@ -313,16 +175,16 @@ void measure(Bench& bench, bool quick) {
   bench.spheres(textured("plane, ours", s, flat), all_counts);
   bench.spheres(textured("normal map, literal", s, literal), all_counts);
   bench.spheres(textured("normal map, ours", s, implied), all_counts);
-  bench.spheres(mesh(coarse), {100});
+  bench.spheres(triangle_mesh(coarse), {100});
   bench.spheres(height_field(coarse), {100});
-  bench.spheres(mesh(s), quick ? std::vector<int>{100} : all_counts);
+  bench.spheres(triangle_mesh(s), quick ? std::vector<int>{100} : all_counts);
   bench.spheres(height_field(s), quick ? std::vector<int>{100} : all_counts);
   bench.spheres(textured("relief, paper's", s, paper), all_counts);
   bench.spheres(textured("relief, ours", s, ours), all_counts);
   for (const int size : quick ? std::vector<int>{256, 1024} : std::vector<int>{256, 1024, 2048, 4096, 8192})
     bench.spheres(textured("relief, ours", bricks(size), ours), {100});
   for (const SharedSurface& texels : {coarse, s}) {
-    bench.shapes(mesh(texels));
+    bench.shapes(triangle_mesh(texels));
     bench.shapes(height_field(texels));
     bench.shapes(textured("relief, ours", texels, ours));
   }

@@ -1,0 +1,174 @@
+#include "bench/table_1_1/touch.h"
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <memory>
+
+#include "bench/brick.h"
+#include "bench/triangle_proxy.h"
+#include "haptics/servo.h"
+#include "intaglio/representation.h"
+#include "mesh/mesh_placement.h"
+
+namespace intaglio::bench {
+
+namespace {
+
+using namespace haptics;
+using SharedSurface = std::shared_ptr<const surface::Surface>;
+constexpr int batch = 32;
+constexpr double stiffness = 800, friction = 0.3;
+constexpr double reach = 0.01;  // m, to which a mesh is searched
+
+// Led along a path.
+class LedDevice : public Device {
+ public:
+  explicit LedDevice(const std::vector<Vec3>& path) : path_(path) {}
+  Vec3 read() override { return path_[next_++ % path_.size()]; }
+  void write(const GuardedForce&) override {}
+
+ private:
+  const std::vector<Vec3>& path_;
+  std::size_t next_ = 0;
+};
+
+// 1 to 6 mm below what is felt of the texture.
+std::vector<Vec3> sliding_path(const SharedSurface& shared, Representation representation, int ticks) {
+  const surface::Surface& s = *shared;
+  SolidOptions options;
+  options.representation = representation;
+  const TexturedSlab slab(shared, options);
+  std::vector<Vec3> path;
+  for (int k = 0; k < ticks; ++k) {
+    const double t = k * 1e-3;
+    Vec3 local = s.placement().to_local({0.45 * std::sin(0.61 * t), 0, 0.45 * std::sin(0.37 * t + 1)});
+    local.z() = slab.relief().at(s.placement().uv(local)).height - 0.0035 + 0.0025 * std::sin(9 * t);
+    path.push_back((s.placement().to_world(local) / 2.3e-5).array().round().matrix() * 2.3e-5);
+  }
+  return path;
+}
+
+// The relief's texels as vertices, UVs as the texture's, without the repeat at its edge.
+TriangleMesh mesh_of(const surface::Surface& s) {
+  TriangleMesh mesh;
+  const int n = s.width();
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) {
+      const Vec2 uv((i + 0.5) / n, (j + 0.5) / n);
+      mesh.positions.push_back(s.placement().to_world(
+          {uv.x() * s.placement().size_u(), uv.y() * s.placement().size_v(), s.texel_z(i, j)}));
+      mesh.normals.push_back(Vec3::Zero());  // from the triangles
+      mesh.uvs.push_back(uv);
+    }
+  }
+  for (int j = 0; j + 1 < n; ++j) {
+    for (int i = 0; i + 1 < n; ++i) {
+      const int a = j * n + i;
+      mesh.triangles.push_back({a, a + 1, a + n + 1});
+      mesh.triangles.push_back({a, a + n + 1, a + n});
+    }
+  }
+  return mesh;
+}
+
+// One way to feel the path: `tick` returns the force upwards, N.
+struct Way {
+  std::string representation, method;
+  const std::vector<Vec3>* path;
+  std::function<double(const Vec3&)> tick;
+  std::vector<double> us = {};
+  double touching = 0, force = 0, count = 0;
+};
+
+struct Felt {
+  std::vector<Vec3> path, normal_path;  // below the relief, and below a normal map's slopes
+  std::vector<std::unique_ptr<LedDevice>> devices;
+  std::vector<SharedSurface> surfaces;
+  std::vector<Way> ways;
+};
+
+void add_servo(Felt& felt, const std::string& name, const SharedSurface& s,
+               std::shared_ptr<const Solid> solid, Representation representation) {
+  ServoOptions options;
+  options.representation = representation;
+  options.spring.stiffness = stiffness;
+  options.friction = friction;
+  const std::vector<Vec3>& path = representation == Representation::normal ? felt.normal_path : felt.path;
+  felt.devices.push_back(std::make_unique<LedDevice>(path));
+  LedDevice& device = *felt.devices.back();
+  auto servo =
+      std::make_shared<PenServo>(solid ? PenServo(s, std::move(solid), options) : PenServo(s, options));
+  felt.ways.push_back({name, "servo", &path, [servo, &device](const Vec3&) {
+                         const ServoSample sample = servo->tick(device);
+                         return sample.touching ? sample.wanted.y() : 0.0;
+                       }});
+}
+
+void add_proxies(Felt& felt, const std::string& name, const SharedSurface& s) {
+  const auto k = ContactSprings::for_felt_stiffness(stiffness);
+  const auto slab = std::make_shared<TexturedSlab>(s, SolidOptions{});
+  const auto proxy = std::make_shared<Proxy>();
+  if (name == "fine mesh") {
+    felt.ways.push_back({"relief map", "proxy", &felt.path,
+                         [=](const Vec3& x) { return proxy->move(*slab, x, k, friction).force.y(); }});
+  }
+  const auto mesh = std::make_shared<TriangleProxy>(*s);
+  const auto state = std::make_shared<TriangleProxy::State>();
+  felt.ways.push_back(
+      {name, "proxy", &felt.path, [=](const Vec3& x) { return mesh->move(*state, x, stiffness).y(); }});
+  felt.surfaces.push_back(s);
+}
+
+Result<void> add_mesh(Felt& felt, const std::string& name, const SharedSurface& s) {
+  auto placement = surface::MeshPlacement::make(mesh_of(*s), name);
+  if (!placement) return tl::unexpected(placement.error());
+  SolidOptions options;
+  options.representation = Representation::flat;
+  add_servo(felt, name, s, std::make_shared<TexturedMesh>(s, std::move(*placement), reach, options),
+            Representation::relief);
+  add_proxies(felt, name, s);
+  return {};
+}
+
+void play(Way& way) {
+  const std::vector<Vec3>& path = *way.path;
+  for (std::size_t k = 0; k + batch <= path.size(); k += batch) {
+    std::array<double, batch> force;
+    const double start = cpu_seconds();
+    for (std::size_t n = 0; n < batch; ++n) force[n] = way.tick(path[k + n]);
+    way.us.push_back(1e6 * (cpu_seconds() - start) / batch);
+    for (const double f : force) {
+      way.count += 1;
+      if (f == 0) continue;
+      way.touching += 1;
+      way.force += f;
+    }
+  }
+}
+
+}  // namespace
+
+Result<std::vector<TouchCost>> measure_touch(int ticks, int rounds) {
+  const auto fine = std::make_shared<const surface::Surface>(brick(512));
+  const auto coarse = std::make_shared<const surface::Surface>(brick(256));
+  Felt felt;
+  felt.path = sliding_path(fine, Representation::relief, ticks);
+  felt.normal_path = sliding_path(fine, Representation::normal, ticks);
+  add_servo(felt, "normal map", fine, nullptr, Representation::normal);
+  add_servo(felt, "relief map", fine, nullptr, Representation::relief);
+  for (const auto& [name, s] :
+       {std::pair<std::string, SharedSurface>{"coarse mesh", coarse}, {"fine mesh", fine}}) {
+    if (auto added = add_mesh(felt, name, s); !added) return tl::unexpected(added.error());
+  }
+  for (int round = 0; round < rounds; ++round)
+    for (Way& way : felt.ways) play(way);
+  std::vector<TouchCost> out;
+  for (const Way& way : felt.ways) {
+    out.push_back({way.representation, way.method, summary(way.us), way.touching / way.count,
+                   way.force / std::max(1.0, way.touching)});
+  }
+  return out;
+}
+
+}  // namespace intaglio::bench
