@@ -1,5 +1,5 @@
-// The command line of a benchmark with several options: flags that stand alone (--json) and flags with a value
-// after them (--plot FILE).
+// The command line of a benchmark with several options: flags that stand alone (--json) and flags with a
+// value after them (--plot FILE).
 #pragma once
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
-// Floors of the built-in brick, 4 m a side and 8 cm deep, as Bullet meets them: its own plane, triangle mesh and
-// height field of the texels, and TexturedShape; and a world of one floor whose steps are timed.
+// Floors of the built-in brick, 4 m a side and 8 cm deep, as Bullet meets them: its own plane, triangle
+// mesh and height field of the texels, and TexturedShape; and a world of one floor whose steps are timed.
 #pragma once
 
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
@@ -116,7 +116,8 @@ inline Floor textured(const std::string& name, const SharedSurface& s,
   return out;
 }
 
-// A plain Bullet world of one floor, with Bullet's own settings. Bodies meet the floor only, and none sleeps.
+// A plain Bullet world of one floor, with Bullet's own settings. Bodies meet the floor only, and none
+// sleeps.
 class FloorWorld {
  public:
   static constexpr int rate = 60;  // Hz
@@ -179,8 +180,8 @@ inline void put(btRigidBody& body, const Vec3& at, const Vec3& velocity, const V
   body.clearForces();
 }
 
-// Where a body that reaches `clearance` metres around its centre starts above (x, z), a millimetre clear of the
-// floor: of its plane, if it has no relief.
+// Where a body that reaches `clearance` metres around its centre starts above (x, z), a millimetre clear
+// of the floor: of its plane, if it has no relief.
 inline Vec3 start_over(const Floor& floor, double x, double z, double clearance) {
   Vec3 at(x, 0.2, z);
   for (int n = 0; n < 30; ++n) {

@@ -1,13 +1,14 @@
 // Table 1.1 of Sterling & Lin 2016, measured on this machine: bench_table_1_1 [--json] [--quick]
 // [--dense-10000] [--every-vertex].
 //
-// Memory of the mesh, of modal analysis and of the sound at run time, and times of physics, picture and touch,
-// for normal map, relief map, and meshes of 256 x 256 and 512 x 512 vertices, the paper's values beside them. No
-// number is extrapolated: what was not run is called so. What each cell is stands in bench/table_1_1/*.h. Times
-// are CPU time, medians and 99th percentiles of interleaved rounds, so that other work on the machine falls on
-// all alike. The dense method runs at 1,000 to 5,000 unknowns, and at 10,000 with --dense-10000 (five minutes;
-// LAPACK needed when built); --every-vertex analyses bodies of which each vertex of the fine mesh is a node
-// (three minutes, 8 GB). --quick: fewer rounds, no meshes in modal analysis, 10 s.
+// Memory of the mesh, of modal analysis and of the sound at run time, and times of physics, picture and
+// touch, for normal map, relief map, and meshes of 256 x 256 and 512 x 512 vertices, the paper's values
+// beside them. No number is extrapolated: what was not run is called so. Each cell is described in
+// bench/table_1_1/*.h. Times are CPU time, medians and 99th percentiles of interleaved rounds, so that
+// other work on the machine falls on all alike. The dense method runs at 1,000 to 5,000 unknowns, and at
+// 10,000 with --dense-10000 (five minutes; LAPACK needed when built); --every-vertex analyses bodies of
+// which each vertex of the fine mesh is a node (three minutes, 8 GB). --quick: fewer rounds, no meshes in
+// modal analysis, 10 s.
 #include <fmt/format.h>
 
 #include <cmath>

@@ -42,8 +42,8 @@ inline double allocated_bytes() {
   return double(info.uordblks) + double(info.hblkhd);
 }
 
-// What `work()` returns, from a child process; nothing if that ended in another way. Before the first thread
-// of this process only.
+// The value of `work()`, computed by a child process; nothing if that ended in another way. Before the
+// first thread of this process only.
 template <class Work>
 auto in_child(const Work& work) -> std::optional<decltype(work())> {
   using Value = decltype(work());

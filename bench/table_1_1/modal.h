@@ -1,12 +1,12 @@
-// Modal analysis for Table 1.1: the tile of 0.3 m by each representation, analysed by ours and, where it fits,
-// by the dense method.
+// Modal analysis for Table 1.1: the tile of 0.3 m by each representation, analysed by ours and, where it
+// fits, by the dense method.
 #pragma once
 
 #include <optional>
 
 namespace intaglio::bench {
 
-// Of one analysis, in a process of its own.
+// Figures of one analysis, in a process of its own.
 struct ModalCost {
   double vertices = 0, unknowns = 0;
   double elements = 0;       // where they are known
@@ -21,8 +21,8 @@ struct ModalCost {
 std::optional<ModalCost> analyse_spring_shell();
 // For relief maps, as scenes do: finite elements of the slab under the texture.
 std::optional<ModalCost> analyse_slab();
-// A closed tile of `texels` x `texels` vertices on its top by intaglio::bake, from its triangles alone: elements
-// follow the waves.
+// A closed tile of `texels` x `texels` vertices on its top by intaglio::bake, from its triangles alone:
+// elements follow the waves.
 std::optional<ModalCost> analyse_mesh(int texels);
 // Elements of `cells` x `cells` squares, each node of which is a node of a mesh as fine as that.
 std::optional<ModalCost> analyse_every_vertex(int cells);
