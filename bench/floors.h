@@ -5,12 +5,15 @@
 #include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
 #include <btBulletDynamicsCommon.h>
 
+#include <cmath>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "bench/brick.h"
+#include "core/portable_math.h"
 #include "dynamics/textured_shape.h"
 #include "intaglio/representation.h"
 #include "surface/closest.h"
@@ -191,6 +194,24 @@ inline Vec3 start_over(const Floor& floor, double x, double z, double clearance)
     at.y() += clearance + 0.001 - gap;
   }
   return at;
+}
+
+// Balls that roll from anywhere in the middle of the floor, at 1.2 m/s in any direction, for half a
+// second: adds the microseconds of each step.
+inline void roll_balls(FloorWorld& world, const Floor& floor, double radius, std::uint64_t seed,
+                       std::vector<double>& us) {
+  Random random(seed);
+  for (const auto& body : world.bodies()) {
+    const double x = random.uniform(-0.3, 0.3) * floor_side;
+    const double z = random.uniform(-0.3, 0.3) * floor_side;
+    const double angle = random.uniform(0, 2 * std::numbers::pi);
+    const Vec3 velocity(1.2 * std::cos(angle), 0, 1.2 * std::sin(angle));
+    put(*body, start_over(floor, x, z, radius), velocity, Vec3::UnitY().cross(velocity) / radius);
+  }
+  for (int k = 0; k < FloorWorld::rate / 2; ++k) {
+    const double spent = world.timed_step();
+    if (k >= 3) us.push_back(1e6 * spent);  // before, pairs are made
+  }
 }
 
 }  // namespace intaglio::bench

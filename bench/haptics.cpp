@@ -19,6 +19,7 @@
 
 #include "bench/arguments.h"
 #include "bench/brick.h"
+#include "bench/sliding_tip.h"
 #include "bench/triangle_proxy.h"
 #include "core/portable_math.h"
 #include "haptics/servo.h"
@@ -67,42 +68,16 @@ std::shared_ptr<const surface::Surface> brick(int size, double side) {
   return std::make_shared<const surface::Surface>(bench::brick(size, side));
 }
 
-// Led along a path, as encoders of 23 um report it.
-class LedDevice : public Device {
- public:
-  explicit LedDevice(const std::vector<Vec3>& path) : path_(path) {}
-  Vec3 read() override { return path_[next_++ % path_.size()]; }
-  void write(const GuardedForce& force) override { last_ = force.newtons().y(); }
-  double last() const { return last_; }
-
- private:
-  const std::vector<Vec3>& path_;
-  std::size_t next_ = 0;
-  double last_ = 0;
-};
-
-std::vector<Vec3> sliding_path(const surface::Surface& s, int ticks) {
-  std::vector<Vec3> path;
-  for (int k = 0; k < ticks; ++k) {
-    const double t = k * 1e-3;
-    const double x = 0.45 * std::sin(0.61 * t), y = 0.45 * std::sin(0.37 * t + 1);
-    Vec3 local = s.placement().to_local({x, 0, y});
-    local.z() = s.smooth(s.placement().uv(local)).height - 0.0035 + 0.0025 * std::sin(9 * t);
-    path.push_back((s.placement().to_world(local) / 2.3e-5).array().round().matrix() * 2.3e-5);
-  }
-  return path;
-}
-
 void measure(int size, std::vector<Row>& rows) {
   const auto s = brick(size, 1);
   constexpr int ticks = 200000;
-  const auto path = sliding_path(*s, ticks);
+  const auto path = bench::sliding_path(s, ticks);
   const auto whole = [&](HapticMethod method, int batch, const std::string& what) {
     ServoOptions options;
     options.method = method;
     options.plane_rate = 1000;
     options.spring.stiffness = 800;
-    LedDevice device(path);
+    bench::LedDevice device(path);
     PenServo servo(s, options);
     rows.push_back(timed(size, what, ticks, batch, [&](int) {
       servo.tick(device);
@@ -131,7 +106,7 @@ void measure(int size, std::vector<Row>& rows) {
 // How far the proxy is from where it would settle, in newtons.
 void measure_convergence(std::vector<Row>& rows) {
   const auto s = brick(512, 1);
-  const auto path = sliding_path(*s, 50000);
+  const auto path = bench::sliding_path(s, 50000);
   const TexturedSlab slab(s, {});
   const auto k = ContactSprings::for_felt_stiffness(800);
   Proxy proxy;

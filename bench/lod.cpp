@@ -250,7 +250,12 @@ Result<void> plot(const std::string& file, const std::vector<Level>& levels, boo
     for (const std::string& family : families) {
       Series series{family, {}, {}};
       for (const Level* level : family_of(levels, family)) {
-        if (level->share >= 1) continue;  // without error but for rounding
+        if (level->share >= 1) {  // without error but for rounding
+          if (family != texture_family) continue;
+          panel.mark = by_memory ? level->bytes / 1e6 : sense.cost(*level);
+          panel.mark_name = "full texture";
+          continue;
+        }
         series.xs.push_back(by_memory ? level->bytes / 1e6 : sense.cost(*level));
         series.ys.push_back(sense.error(*level));
       }

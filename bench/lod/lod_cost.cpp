@@ -17,7 +17,7 @@ namespace intaglio::bench {
 namespace {
 
 constexpr double ball_radius = 0.1;  // m
-constexpr int balls = 100, steps = 30, stroke_samples = 4000;
+constexpr int balls = 100, stroke_samples = 4000;
 
 Floor floor_of(const LodWay& way, const SharedSurface& full) {
   if (way.texture) {
@@ -116,22 +116,6 @@ void draw(Course& course, render::Renderer& nothing) {
   }
 }
 
-void roll(Course& course, int round) {
-  Random random(1000 + std::uint64_t(round));
-  for (const auto& body : course.world.bodies()) {
-    const double x = random.uniform(-0.3, 0.3) * floor_side;
-    const double z = random.uniform(-0.3, 0.3) * floor_side;
-    const double angle = random.uniform(0, 2 * std::numbers::pi);
-    const Vec3 velocity(1.2 * std::cos(angle), 0, 1.2 * std::sin(angle));
-    put(*body, start_over(course.floor, x, z, ball_radius), velocity,
-        Vec3::UnitY().cross(velocity) / ball_radius);
-  }
-  for (int k = 0; k < steps; ++k) {
-    const double spent = course.world.timed_step();
-    if (k >= 3) course.contact_us.push_back(1e6 * spent);
-  }
-}
-
 volatile double sink = 0;
 
 // The contact's path is that over the full relief; the slope is asked of the way itself.
@@ -174,7 +158,8 @@ Result<std::vector<LodCost>> lod_costs(const std::shared_ptr<const surface::Surf
   }
   for (int round = 0; round < rounds; ++round) {
     for (const auto& course : courses) draw(*course, **nothing);
-    for (const auto& course : courses) roll(*course, round);
+    for (const auto& course : courses)
+      roll_balls(course->world, course->floor, ball_radius, 1000 + std::uint64_t(round), course->contact_us);
     for (std::size_t k = 0; k < ways.size(); ++k) scrape(*courses[k], ways[k], *full, round);
   }
   std::vector<LodCost> out;

@@ -41,10 +41,12 @@ Points positive(const Series& series) {
   return out;
 }
 
-// Whole decades would waste half of a panel: bounds with some space beside the data.
+// Whole decades would waste half of a panel: bounds with some space beside the data. At least a factor of
+// eight, so that what hardly changes looks so.
 Range spaced(const Extent& extent) {
   const Range range = extent.range({1, 10});
-  return {range.low / 1.3, range.high * 1.3};
+  const double spare = std::max(1.3, std::sqrt(8 * range.low / range.high));
+  return {range.low / spare, range.high * spare};
 }
 
 std::string short_number(double value) {
@@ -68,7 +70,7 @@ class Page {
         columns_(std::min(panels.size(), per_row)),
         names_(names_of(panels)),
         width_(double(columns_) * panel_width + 10),
-        height_(top - 20 + double(rows_) * (panel_height + below) + key_rows() * key_height + 10),
+        height_(double(rows_) * (panel_height + below) + key_rows() * key_height + 10),
         plot_(width_, height_, "plot", title, "Plots with logarithmic axes") {
     plot_.text(left, 24, title, "head");
     for (std::size_t k = 0; k < panels.size(); ++k)
@@ -109,13 +111,11 @@ class Page {
       for (const double y : points.ys) up.add(y);
     }
     if (panel.limit > 0) up.add(panel.limit);
+    if (panel.mark > 0) across.add(panel.mark);
     const Axis x(spaced(across), {x0 + left, x0 + panel_width - right_gap}, AxisScale::logarithmic);
     const Axis y(spaced(up), {y0 + panel_height, y0 + top}, AxisScale::logarithmic);
     frame(panel, x, y);
-    if (panel.limit > 0) {
-      plot_.line(x.units().low, y(panel.limit), x.units().high, y(panel.limit), "limit");
-      plot_.text(x.units().low + 6, y(panel.limit) - 5, panel.limit_name, "tick");
-    }
+    draw_limits(panel, x, y);
     for (const Series& series : panel.series) {
       Points points = positive(series);
       for (double& value : points.xs) value = x(value);
@@ -123,6 +123,17 @@ class Page {
       plot_.polyline(points.xs, points.ys, colour(series.name));
       for (std::size_t k = 0; k < points.xs.size(); ++k)
         plot_.circle(points.xs[k], points.ys[k], 3, colour(series.name));
+    }
+  }
+  void draw_limits(const Panel& panel, const Axis& x, const Axis& y) {
+    if (panel.limit > 0) {
+      const double at = y(panel.limit);
+      plot_.line(x.units().low, at, x.units().high, at, "limit");
+      plot_.text(x.units().low + 6, at < y.units().high + 16 ? at + 14 : at - 5, panel.limit_name, "tick");
+    }
+    if (panel.mark > 0) {
+      plot_.line(x(panel.mark), y.units().low, x(panel.mark), y.units().high, "limit");
+      plot_.text(x(panel.mark) + 5, y.units().low - 6, panel.mark_name, "tick");
     }
   }
   void frame(const Panel& panel, const Axis& x, const Axis& y) {
@@ -142,7 +153,7 @@ class Page {
                       TextAnchor::middle);
   }
   void draw_key() {
-    const double y0 = top - 20 + double(rows_) * (panel_height + below) + 4;
+    const double y0 = double(rows_) * (panel_height + below) + 4;
     const double step = (width_ - left) / double(std::min(keys_per_row, names_.size()));
     for (std::size_t k = 0; k < names_.size(); ++k) {
       const double x = left + double(k % keys_per_row) * step;

@@ -18,6 +18,8 @@ struct Panel {
   std::vector<Series> series;
   double limit = 0;  // a dashed line at this y; 0: none
   std::string limit_name = {};
+  double mark = 0;  // likewise at this x
+  std::string mark_name = {};
 };
 
 // Panels side by side, three in a row. A series has the same colour in all of them, and the key below the

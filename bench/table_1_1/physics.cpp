@@ -1,8 +1,6 @@
 #include "bench/table_1_1/physics.h"
 
-#include <cmath>
 #include <memory>
-#include <numbers>
 
 #include "bench/floors.h"
 #include "core/portable_math.h"
@@ -13,7 +11,7 @@ namespace {
 
 constexpr double ball_radius = 0.1;  // m
 constexpr int rolling_balls = 100, thrown_of_each = 5;
-constexpr int rolling_steps = 30, thrown_steps = 90;
+constexpr int thrown_steps = 90;
 
 // A floor with its two worlds, and the times of their steps.
 struct Course {
@@ -25,26 +23,6 @@ struct Course {
   FloorWorld rolling, thrown;
   std::vector<double> rolling_us, thrown_us;
 };
-
-void step(FloorWorld& world, int steps, std::vector<double>& us) {
-  for (int k = 0; k < steps; ++k) {
-    const double spent = world.timed_step();
-    if (k >= 3) us.push_back(1e6 * spent);  // before, pairs are made
-  }
-}
-
-void roll(Course& course, int round) {
-  Random random(1000 + std::uint64_t(round));
-  for (const auto& body : course.rolling.bodies()) {
-    const double x = random.uniform(-0.3, 0.3) * floor_side;
-    const double z = random.uniform(-0.3, 0.3) * floor_side;
-    const double angle = random.uniform(0, 2 * std::numbers::pi);
-    const Vec3 velocity(1.2 * std::cos(angle), 0, 1.2 * std::sin(angle));
-    put(*body, start_over(course.floor, x, z, ball_radius), velocity,
-        Vec3::UnitY().cross(velocity) / ball_radius);
-  }
-  step(course.rolling, rolling_steps, course.rolling_us);
-}
 
 void fling(Course& course, int round) {
   Random random(2000 + std::uint64_t(round));
@@ -59,7 +37,10 @@ void fling(Course& course, int round) {
     at.y() = random.uniform(0.4, 0.6);
     put(*body, at, velocity, within(6));
   }
-  step(course.thrown, thrown_steps, course.thrown_us);
+  for (int k = 0; k < thrown_steps; ++k) {
+    const double spent = course.thrown.timed_step();
+    if (k >= 3) course.thrown_us.push_back(1e6 * spent);
+  }
 }
 
 using dynamics::ContactOptions;
@@ -95,7 +76,9 @@ std::vector<PhysicsCost> measure_physics(int rounds) {
     }
   }
   for (int round = 0; round < rounds; ++round) {
-    for (const auto& course : all) roll(*course, round);
+    for (const auto& course : all)
+      roll_balls(course->rolling, course->floor, ball_radius, 1000 + std::uint64_t(round),
+                 course->rolling_us);
     for (const auto& course : all) fling(*course, round);
   }
   std::vector<PhysicsCost> out;

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "bench/brick.h"
+#include "bench/sliding_tip.h"
 #include "bench/triangle_proxy.h"
 #include "haptics/servo.h"
 #include "intaglio/representation.h"
@@ -16,38 +17,9 @@ namespace intaglio::bench {
 namespace {
 
 using namespace haptics;
-using SharedSurface = std::shared_ptr<const surface::Surface>;
 constexpr int batch = 32;
 constexpr double stiffness = 800, friction = 0.3;
 constexpr double reach = 0.01;  // m, to which a mesh is searched
-
-// Led along a path.
-class LedDevice : public Device {
- public:
-  explicit LedDevice(const std::vector<Vec3>& path) : path_(path) {}
-  Vec3 read() override { return path_[next_++ % path_.size()]; }
-  void write(const GuardedForce&) override {}
-
- private:
-  const std::vector<Vec3>& path_;
-  std::size_t next_ = 0;
-};
-
-// 1 to 6 mm below what is felt of the texture.
-std::vector<Vec3> sliding_path(const SharedSurface& shared, Representation representation, int ticks) {
-  const surface::Surface& s = *shared;
-  SolidOptions options;
-  options.representation = representation;
-  const TexturedSlab slab(shared, options);
-  std::vector<Vec3> path;
-  for (int k = 0; k < ticks; ++k) {
-    const double t = k * 1e-3;
-    Vec3 local = s.placement().to_local({0.45 * std::sin(0.61 * t), 0, 0.45 * std::sin(0.37 * t + 1)});
-    local.z() = slab.relief().at(s.placement().uv(local)).height - 0.0035 + 0.0025 * std::sin(9 * t);
-    path.push_back((s.placement().to_world(local) / 2.3e-5).array().round().matrix() * 2.3e-5);
-  }
-  return path;
-}
 
 // The relief's texels as vertices, UVs as the texture's, without the repeat at its edge.
 TriangleMesh mesh_of(const surface::Surface& s) {
@@ -84,11 +56,11 @@ struct Way {
 struct Felt {
   std::vector<Vec3> path, normal_path;  // below the relief, and below a normal map's slopes
   std::vector<std::unique_ptr<LedDevice>> devices;
-  std::vector<SharedSurface> surfaces;
+  std::vector<std::shared_ptr<const surface::Surface>> surfaces;
   std::vector<Way> ways;
 };
 
-void add_servo(Felt& felt, const std::string& name, const SharedSurface& s,
+void add_servo(Felt& felt, const std::string& name, const std::shared_ptr<const surface::Surface>& s,
                std::shared_ptr<const Solid> solid, Representation representation) {
   ServoOptions options;
   options.representation = representation;
@@ -105,7 +77,7 @@ void add_servo(Felt& felt, const std::string& name, const SharedSurface& s,
                        }});
 }
 
-void add_proxies(Felt& felt, const std::string& name, const SharedSurface& s) {
+void add_proxies(Felt& felt, const std::string& name, const std::shared_ptr<const surface::Surface>& s) {
   const auto k = ContactSprings::for_felt_stiffness(stiffness);
   const auto slab = std::make_shared<TexturedSlab>(s, SolidOptions{});
   const auto proxy = std::make_shared<Proxy>();
@@ -120,7 +92,7 @@ void add_proxies(Felt& felt, const std::string& name, const SharedSurface& s) {
   felt.surfaces.push_back(s);
 }
 
-Result<void> add_mesh(Felt& felt, const std::string& name, const SharedSurface& s) {
+Result<void> add_mesh(Felt& felt, const std::string& name, const std::shared_ptr<const surface::Surface>& s) {
   auto placement = surface::MeshPlacement::make(mesh_of(*s), name);
   if (!placement) return tl::unexpected(placement.error());
   SolidOptions options;
@@ -153,12 +125,13 @@ Result<std::vector<TouchCost>> measure_touch(int ticks, int rounds) {
   const auto fine = std::make_shared<const surface::Surface>(brick(512));
   const auto coarse = std::make_shared<const surface::Surface>(brick(256));
   Felt felt;
-  felt.path = sliding_path(fine, Representation::relief, ticks);
-  felt.normal_path = sliding_path(fine, Representation::normal, ticks);
+  felt.path = sliding_path(fine, ticks);
+  felt.normal_path = sliding_path(fine, ticks, Representation::normal);
   add_servo(felt, "normal map", fine, nullptr, Representation::normal);
   add_servo(felt, "relief map", fine, nullptr, Representation::relief);
   for (const auto& [name, s] :
-       {std::pair<std::string, SharedSurface>{"coarse mesh", coarse}, {"fine mesh", fine}}) {
+       {std::pair<std::string, std::shared_ptr<const surface::Surface>>{"coarse mesh", coarse},
+        {"fine mesh", fine}}) {
     if (auto added = add_mesh(felt, name, s); !added) return tl::unexpected(added.error());
   }
   for (int round = 0; round < rounds; ++round)
