@@ -104,23 +104,28 @@ std::vector<const Level*> family_of(const std::vector<Level>& levels, const std:
   return out;
 }
 
-// The y at which a chain passes x, between two neighbours; nothing where it does not.
-std::optional<double> at(const std::vector<const Level*>& chain, double (*x)(const Level&),
-                         double (*y)(const Level&), double wanted) {
-  for (std::size_t k = 0; k + 1 < chain.size(); ++k) {
+// The least y of a chain whose x is at most `wanted`: of its members, or between two neighbours, on the line
+// between them on logarithmic axes. Nothing where every x is above.
+std::optional<double> least(const std::vector<const Level*>& chain, double (*x)(const Level&),
+                            double (*y)(const Level&), double wanted) {
+  std::optional<double> best;
+  const auto note = [&](double value) { best = std::min(best.value_or(value), value); };
+  for (std::size_t k = 0; k < chain.size(); ++k) {
+    if (x(*chain[k]) <= wanted) note(y(*chain[k]));
+    if (k + 1 == chain.size()) break;
     const double xa = x(*chain[k]), xb = x(*chain[k + 1]), ya = y(*chain[k]), yb = y(*chain[k + 1]);
     if (std::min({xa, xb, ya, yb}) <= 0 || (wanted - xa) * (wanted - xb) > 0 || xa == xb) continue;
-    return ya * std::pow(yb / ya, std::log(wanted / xa) / std::log(xb / xa));
+    note(ya * std::pow(yb / ya, std::log(wanted / xa) / std::log(xb / xa)));
   }
-  return std::nullopt;
+  return best;
 }
 
 struct Comparison {
   std::string sense;
   int texels = 0;  // a side, of the texture
-  double error = 0, cost = 0;
+  double error = 0, cost = 0, bytes = 0;
   // The best mesh of any chain has these; nothing where no chain comes there.
-  std::optional<double> cost_at_error, error_at_cost;
+  std::optional<double> cost_at_error, error_at_cost, bytes_at_error;
   std::string cheapest, truest;
 };
 
@@ -128,22 +133,23 @@ std::vector<Comparison> compare(const std::vector<Level>& levels) {
   std::vector<Comparison> out;
   for (const Sense& sense : senses) {
     for (const Level* texture : family_of(levels, texture_family)) {
-      Comparison c{sense.name,
-                   int(std::lround(std::sqrt(double(texture->pieces)))),
-                   sense.error(*texture),
-                   sense.cost(*texture),
-                   {},
-                   {},
-                   "",
-                   ""};
+      Comparison c;
+      c.sense = sense.name;
+      c.texels = int(std::lround(std::sqrt(double(texture->pieces))));
+      c.error = sense.error(*texture);
+      c.cost = sense.cost(*texture);
+      c.bytes = texture->bytes;
       for (const LodMetric metric : metrics) {
         const auto chain = family_of(levels, name_of(metric));
-        const auto cost = at(chain, sense.error, sense.cost, c.error);
+        const auto cost = least(chain, sense.error, sense.cost, c.error);
         if (cost && (!c.cost_at_error || *cost < *c.cost_at_error)) {
           c.cost_at_error = cost;
           c.cheapest = name_of(metric);
         }
-        const auto error = at(chain, sense.cost, sense.error, c.cost);
+        const auto bytes = least(
+            chain, sense.error, [](const Level& l) { return l.bytes; }, c.error);
+        if (bytes && (!c.bytes_at_error || *bytes < *c.bytes_at_error)) c.bytes_at_error = bytes;
+        const auto error = least(chain, sense.cost, sense.error, c.cost);
         if (error && (!c.error_at_cost || *error < *c.error_at_cost)) {
           c.error_at_cost = error;
           c.truest = name_of(metric);
@@ -185,6 +191,24 @@ void print_levels(const std::vector<Level>& levels) {
     fmt::print("{:<20}{:>10}{:>9.3f}{:>11.3f}{:>10.3f}{:>10.3f}{:>10.2f}{:>12.2f}{:>12.1f}{:>11.1f}\n",
                l.family, l.pieces, l.bytes / 1e6, l.error.normal_deg, l.error.depth_mm, l.error.ball_mm,
                l.error.sound_db, l.cost.picture_ms, l.cost.contact_us, l.cost.sound_ns);
+  }
+}
+
+// Memory of all senses: each with its own best mesh at the texture's error, against the one texture.
+void print_memory(const std::vector<Comparison>& comparisons) {
+  fmt::print("\nMB of the best mesh for each sense at a texture's errors, and of that texture\n");
+  for (const Comparison& first : comparisons) {
+    if (first.sense != senses[0].name) continue;
+    double sum = 0;
+    std::string parts;
+    for (const Comparison& c : comparisons) {
+      if (c.texels != first.texels) continue;
+      sum += c.bytes_at_error.value_or(std::nan("")) / 1e6;
+      parts += fmt::format("{:>9} {:<7}", c.sense,
+                           c.bytes_at_error ? fmt::format("{:.3f}", *c.bytes_at_error / 1e6) : "none");
+    }
+    fmt::print("{:>6} texels {}   all {:<10}texture {:.3f}\n", first.texels, parts,
+               std::isfinite(sum) ? fmt::format("{:.3f}", sum) : "-", first.bytes / 1e6);
   }
 }
 
@@ -290,7 +314,9 @@ int main(int argc, char** argv) {
   }
   fmt::print("{}\n", machine());
   print_levels(*levels);
-  print_comparisons(compare(*levels));
+  const std::vector<Comparison> comparisons = compare(*levels);
+  print_comparisons(comparisons);
+  print_memory(comparisons);
   print_budgets(budgets(*levels));
   return 0;
 }

@@ -12,7 +12,7 @@
 
 namespace intaglio::bench {
 
-// 1 to 6 mm below what is felt of the texture, at up to 0.4 m/s on a curve that visits all of a surface of
+// 1 to 6 mm below the felt texture, at up to 0.4 m/s on a curve that visits all of a surface of
 // 1 m, so that texels come from memory; one place a tick, as encoders of 23 um report it.
 inline std::vector<Vec3> sliding_path(const std::shared_ptr<const surface::Surface>& s, int ticks,
                                       Representation representation = Representation::relief,
@@ -23,7 +23,8 @@ inline std::vector<Vec3> sliding_path(const std::shared_ptr<const surface::Surfa
   std::vector<Vec3> path;
   for (int k = 0; k < ticks; ++k) {
     const double t = k / rate;
-    Vec3 local = s->placement().to_local({0.45 * std::sin(0.61 * t), 0, 0.45 * std::sin(0.37 * t + 1)});
+    Vec3 local(0.5 * s->placement().size_u() + 0.45 * std::sin(0.61 * t),
+               0.5 * s->placement().size_v() - 0.45 * std::sin(0.37 * t + 1), 0);
     local.z() = slab.relief().at(s->placement().uv(local)).height - 0.0035 + 0.0025 * std::sin(9 * t);
     path.push_back((s->placement().to_world(local) / 2.3e-5).array().round().matrix() * 2.3e-5);
   }
