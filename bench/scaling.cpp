@@ -43,14 +43,14 @@ std::string reach(const Law& law) {
 }
 
 void print_table(const std::vector<Law>& laws) {
-  fmt::print("{:<20}{:<15}{:<38}{:>10}{:>8}{:>8}  {:<30}{}\n", "against", "sense", "unit", "exponent", "s.e.",
+  fmt::print("{:<23}{:<15}{:<38}{:>10}{:>8}{:>8}  {:<30}{}\n", "against", "sense", "unit", "exponent", "s.e.",
              "last", "real time until", "size: cost");
   for (const Law& law : laws) {
     const Fit f = fit(law);
-    fmt::print("{:<20}{:<15}{:<38}{:>10.3f}{:>8.3f}{:>8.2f}  {:<30}", law.axis, law.sense, law.unit,
+    fmt::print("{:<23}{:<15}{:<38}{:>10.3f}{:>8.3f}{:>8.2f}  {:<30}", law.axis, law.sense, law.unit,
                f.exponent, f.standard_error, f.last, reach(law));
     for (std::size_t k = 0; k < law.sizes.size(); ++k)
-      fmt::print("{:g}: {:.4g}  ", law.sizes[k], law.costs[k]);
+      fmt::print("{:.4g}: {:.4g}  ", law.sizes[k], law.costs[k]);
     fmt::print("\n");
   }
 }

@@ -133,7 +133,9 @@ class Page {
     }
     if (panel.mark > 0) {
       plot_.line(x(panel.mark), y.units().low, x(panel.mark), y.units().high, "limit");
-      plot_.text(x(panel.mark) + 5, y.units().low - 6, panel.mark_name, "tick");
+      const bool on_the_right = x(panel.mark) > x.units().low + x.units().size() / 2;
+      plot_.text(x(panel.mark) + (on_the_right ? -5 : 5), y.units().low - 6, panel.mark_name, "tick",
+                 on_the_right ? TextAnchor::end : TextAnchor::start);
     }
   }
   void frame(const Panel& panel, const Axis& x, const Axis& y) {

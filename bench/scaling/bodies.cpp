@@ -12,6 +12,7 @@
 #include "render/renderer.h"
 #include "scene/scene.h"
 #include "scene/surfaces.h"
+#include "session/observer.h"
 #include "session/simulation.h"
 #include "sound/synthesizer.h"
 #include "tests/sound/models.h"
@@ -162,44 +163,61 @@ std::string scene_of(int balls, double seconds) {
   return text;
 }
 
-// CPU seconds a simulated second: of all, contact, sound, touch.
-Result<std::array<double, 4>> session_costs(int balls, double seconds, const std::filesystem::path& cache) {
+struct SessionCost {
+  double contacts = 0;              // a step, of balls and pen
+  std::array<double, 4> seconds{};  // CPU, a simulated second: of all, contact, sound, touch
+};
+
+Result<SessionCost> session_cost(int balls, double seconds, const std::filesystem::path& cache) {
+  struct Counter : session::Observer {
+    void on_event(const ContactEvent&) override { ++events; }
+    double events = 0;
+  };
   const auto scene = scene::parse_scene(scene_of(balls, seconds), "bench_scaling");
   if (!scene) return tl::unexpected(scene.error());
   const auto surface = scene::make_surface(*scene);
   if (!surface) return tl::unexpected(surface.error());
   auto simulation = session::Simulation::create(*scene, *surface, {.cache = cache});
   if (!simulation) return tl::unexpected(simulation.error());
+  Counter counter;
+  (*simulation)->add_observer(counter);
   const double start = cpu_seconds();
   (*simulation)->finish();
-  std::array<double, 4> out{(cpu_seconds() - start) / seconds, 0, 0, 0};
+  SessionCost out;
+  out.seconds[0] = (cpu_seconds() - start) / seconds;
+  out.contacts = counter.events / seconds / (*simulation)->run().physics_rate;
   for (const session::SenseCost& cost : (*simulation)->run().costs) {
-    const int sense = cost.sense == "dynamics"  ? 1
-                      : cost.sense == "sound"   ? 2
-                      : cost.sense == "haptics" ? 3
-                                                : 0;
-    if (sense > 0) out[std::size_t(sense)] = cost.total_s / seconds;
+    const std::size_t sense = cost.sense == "dynamics"  ? 1
+                              : cost.sense == "sound"   ? 2
+                              : cost.sense == "haptics" ? 3
+                                                        : 0;
+    if (sense > 0) out.seconds[sense] = cost.total_s / seconds;
   }
   return out;
 }
 
-Result<std::vector<Law>> session_laws(const std::vector<double>& n, double seconds, int rounds) {
-  const std::string axis = "balls of a session", unit = "CPU-s a simulated second";
-  std::vector<Law> laws = {{axis, "whole session", unit, n, {}, 1, "one core"},
-                           {axis, "contact", unit, n, {}, 1, "one core"},
-                           {axis, "sound", unit, n, {}, 1, "one core"},
-                           {axis, "touch", unit, n, {}, 1, "one core"}};
+// The cost of a session follows its contacts, which do not follow its balls: some rest, others touch several
+// edges.
+Result<std::vector<Law>> session_laws(const std::vector<double>& balls, double seconds, int rounds) {
   const tests::TemporaryFolder cache;  // of the modal models, which all rounds share
-  std::vector<std::vector<std::vector<double>>> all(laws.size(), std::vector<std::vector<double>>(n.size()));
+  std::vector<double> contacts(balls.size());
+  std::array<std::vector<std::vector<double>>, 4> all;
+  for (auto& sense : all) sense.resize(balls.size());
   for (int round = 0; round < rounds; ++round) {
-    for (std::size_t k = 0; k < n.size(); ++k) {
-      const auto costs = session_costs(int(n[k]), seconds, cache.path);
-      if (!costs) return tl::unexpected(costs.error());
-      for (std::size_t law = 0; law < laws.size(); ++law) all[law][k].push_back((*costs)[law]);
+    for (std::size_t k = 0; k < balls.size(); ++k) {
+      const auto cost = session_cost(int(balls[k]), seconds, cache.path);
+      if (!cost) return tl::unexpected(cost.error());
+      contacts[k] = cost->contacts;
+      for (std::size_t sense = 0; sense < all.size(); ++sense) all[sense][k].push_back(cost->seconds[sense]);
     }
   }
-  for (std::size_t law = 0; law < laws.size(); ++law)
-    for (const auto& values : all[law]) laws[law].costs.push_back(summary(values).median);
+  std::vector<Law> laws = {{"balls of a session", "contacts", "at once", balls, contacts, 0, ""}};
+  const std::array<const char*, 4> senses = {"whole session", "contact", "sound", "touch"};
+  for (std::size_t sense = 0; sense < all.size(); ++sense) {
+    laws.push_back(
+        {"contacts of a session", senses[sense], "CPU-s a simulated second", contacts, {}, 1, "one core"});
+    for (const auto& values : all[sense]) laws.back().costs.push_back(summary(values).median);
+  }
   return laws;
 }
 
