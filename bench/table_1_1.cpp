@@ -293,7 +293,13 @@ void print_json(const Results& results) {
                r.what, r.value, r.wanted, r.source);
     comma = ",\n";
   }
-  fmt::print("\n]}}\n");
+  fmt::print("\n], \"notes\": [");
+  comma = "";
+  for (const std::string& note : results.notes) {
+    fmt::print("{}\"{}\"", comma, note);
+    comma = ", ";
+  }
+  fmt::print("]}}\n");
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ struct LodWay {
 struct LodCost {
   double picture_ms = 0;  // a frame of 320 x 180 drawn and read back, over three cameras
   double contact_us = 0;  // a 60 Hz step of 100 rolling balls, solver included
-  double sound_ns = 0;    // a sample of the slope along a stroke at 44.1 kHz and 1 m/s
+  double sound_ns = 0;    // a sample of the slope along a stroke at 44.1 kHz and 1 m/s, its place known
 };
 
 // Rounds with every way in turn. `full` is the relief above which balls start.
