@@ -3,6 +3,8 @@
 #include <memory>
 
 #include "bench/floors.h"
+#include "bench/relief_triangles.h"
+#include "bench/table_1_1/child.h"
 #include "core/portable_math.h"
 
 namespace intaglio::bench {
@@ -45,6 +47,21 @@ void fling(Course& course, int round) {
 
 using dynamics::ContactOptions;
 
+// The triangles of a relief, touched by our own closest features of curved bases instead of Bullet's mesh.
+Floor our_mesh(const SharedSurface& s) {
+  Floor out{"", s->width(), 0, 0, true, s, {}, {}, {}};
+  const double start = cpu_seconds(), before = allocated_bytes();
+  auto placement = surface::MeshPlacement::make(relief_triangles(*s));
+  const auto flat = std::make_shared<const surface::Surface>(s->placed(s->placement(), 0));
+  if (!placement) return out;
+  auto relief = surface::ReliefMesh::make(flat, std::move(*placement));
+  if (!relief) return out;
+  out.shape = std::make_unique<dynamics::CurvedShape>(std::move(*relief));
+  out.build_ms = 1e3 * (cpu_seconds() - start);
+  out.bytes = allocated_bytes() - before;
+  return out;
+}
+
 std::vector<std::unique_ptr<Course>> courses() {
   const SharedSurface coarse = bricks(256), fine = bricks(512);
   const auto named = [](const char* name, Floor floor) {
@@ -61,6 +78,7 @@ std::vector<std::unique_ptr<Course>> courses() {
   out.push_back(named("fine mesh", triangle_mesh(fine)));
   out.push_back(named("normal map, literal", textured("", fine, literal)));
   out.push_back(named("fine height field", height_field(fine)));
+  if (Floor mesh = our_mesh(fine); mesh.shape) out.push_back(named("fine mesh, ours", std::move(mesh)));
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "bench/brick.h"
+#include "bench/relief_triangles.h"
 #include "bench/sliding_tip.h"
 #include "bench/triangle_proxy.h"
 #include "haptics/servo.h"
@@ -20,29 +21,6 @@ using namespace haptics;
 constexpr int batch = 32;
 constexpr double stiffness = 800, friction = 0.3;
 constexpr double reach = 0.01;  // m, to which a mesh is searched
-
-// The relief's texels as vertices, UVs as the texture's, without the repeat at its edge.
-TriangleMesh mesh_of(const surface::Surface& s) {
-  TriangleMesh mesh;
-  const int n = s.width();
-  for (int j = 0; j < n; ++j) {
-    for (int i = 0; i < n; ++i) {
-      const Vec2 uv((i + 0.5) / n, (j + 0.5) / n);
-      mesh.positions.push_back(s.placement().to_world(
-          {uv.x() * s.placement().size_u(), uv.y() * s.placement().size_v(), s.texel_z(i, j)}));
-      mesh.normals.push_back(Vec3::Zero());  // from the triangles
-      mesh.uvs.push_back(uv);
-    }
-  }
-  for (int j = 0; j + 1 < n; ++j) {
-    for (int i = 0; i + 1 < n; ++i) {
-      const int a = j * n + i;
-      mesh.triangles.push_back({a, a + 1, a + n + 1});
-      mesh.triangles.push_back({a, a + n + 1, a + n});
-    }
-  }
-  return mesh;
-}
 
 // One way to feel the path: `tick` returns the force upwards, N.
 struct Way {
@@ -93,7 +71,7 @@ void add_proxies(Felt& felt, const std::string& name, const std::shared_ptr<cons
 }
 
 Result<void> add_mesh(Felt& felt, const std::string& name, const std::shared_ptr<const surface::Surface>& s) {
-  auto placement = surface::MeshPlacement::make(mesh_of(*s), name);
+  auto placement = surface::MeshPlacement::make(relief_triangles(*s), name);
   if (!placement) return tl::unexpected(placement.error());
   SolidOptions options;
   options.representation = Representation::flat;
