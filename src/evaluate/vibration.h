@@ -14,7 +14,7 @@
 // mechanical aspects of touch", JASA 84, 1988; Gescheider and Verrillo, 1980): Pacinian -20 dB above 1
 // micrometre (peak) at 250 Hz, 12 dB per octave more to both sides; non-Pacinian 12 dB from 40 Hz upward, 5
 // dB per octave more below, at most 28 dB. They are not tabled data: people, places and contact areas
-// differ by 10 dB and more, and the courses above 300 Hz (Pacinian) and above 40 Hz (non-Pacinian) are
+// differ by 10 dB and more, and the courses above 250 Hz (Pacinian) and above 40 Hz (non-Pacinian) are
 // assumptions.
 //
 // Bands: nine of equal ratio (1.54, 0.63 octave) from 10 Hz, below which vibration is felt as motion, to
