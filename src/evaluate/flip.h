@@ -6,7 +6,7 @@
 // distance; the feature part compares edges and points of the lightness, and amplifies the colour part:
 // error = colour^(1 - feature). `pixels_per_degree` is how many pixels a degree of the visual field holds;
 // 67.02 is a display of 0.7 m with 3840 pixels seen from 0.7 m. Borders repeat their pixel. Symmetric in the
-// two pictures. Bit-identical on every machine.
+// two pictures. Bit-identical on x86-64 (docs/determinism.md).
 //
 // Any thread; allocates about 200 bytes a pixel; about 1 microsecond a pixel.
 // Source: Andersson, Nilsson, Akenine-Moeller, Oskarsson, Astrom, Fairchild, "FLIP: A Difference Evaluator

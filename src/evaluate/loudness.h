@@ -8,7 +8,7 @@
 // own coefficients. The method follows the equal-loudness contours of ISO 226:1987, so tones below 500 Hz
 // are louder than by those of 2003 and 2023, and above 5 kHz by up to 10 phon.
 //
-// Pure functions, any thread; about 30 ms for 1 s of sound; bit-identical on every machine.
+// Pure functions, any thread; about 30 ms for 1 s of sound; bit-identical on x86-64.
 #pragma once
 
 #include <array>

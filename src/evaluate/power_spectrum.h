@@ -1,6 +1,6 @@
 // The power of a trace by frequency, as the spectral distance and the vibration metrics need it.
 //
-// Not for real time; one object is one length, not thread-safe. Bit-identical on every machine.
+// Not for real time; one object is one length, not thread-safe. Bit-identical on x86-64.
 #pragma once
 
 #include <cstddef>

@@ -11,7 +11,7 @@
 // at 100 Hz; shorter times cannot be measured. People notice differences of 5 % (ISO 3382-1, annex A).
 //
 // Any sample rate; bands above half of it are left out. Pure functions, any thread; about 20 ms for 1 s of
-// sound; bit-identical on every machine. Sources: Zwicker, "Subdivision of the audible frequency range into
+// sound; bit-identical on x86-64. Sources: Zwicker, "Subdivision of the audible frequency range into
 // critical bands", JASA 33, 1961; Schroeder, "New method of measuring reverberation time", JASA 37, 1965.
 #pragma once
 

@@ -21,7 +21,7 @@
 // 500 Hz. That there are nine follows arXiv 2605.23804, where the energy in nine critical bands predicts
 // judged realism best; the edges are ours.
 //
-// Pure functions, any thread; about 1 ms for 1 s; bit-identical on every machine.
+// Pure functions, any thread; about 1 ms for 1 s; bit-identical on x86-64.
 #pragma once
 
 #include <array>

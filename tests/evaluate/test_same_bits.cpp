@@ -1,4 +1,4 @@
-// Metrics have the same bits on every machine, compiler and processor.
+// Metrics have the same bits with every compiler.
 #include <doctest/doctest.h>
 
 #include <fmt/format.h>
@@ -25,7 +25,7 @@ std::string hash_of(std::span<const double> values) {
 
 }  // namespace
 
-TEST_CASE("the metrics of seeded input have the same bits on every machine") {
+TEST_CASE("the metrics of seeded input have the same bits with every compiler") {
   Random random(1);
   Image8 one(61, 47, 3), other(61, 47, 3);
   for (Image8* picture : {&one, &other})
