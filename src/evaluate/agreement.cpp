@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
+#include "core/portable_math.h"
 #include "evaluate/bootstrap.h"
 #include "report/percepts.h"
 
@@ -150,29 +152,41 @@ double lean(double slope) {
   return slope / std::sqrt(1 + slope * slope);
 }
 
+// Leans along a direction as the picture shows them, and as they are: means over a disc of half the probe's
+// radius, because a ball meets the relief beside its middle, too.
+std::pair<double, double> seen_around(const Sight& sight, const Reference& truth, const Vec3& place,
+                                      const Vec2& direction, double radius) {
+  double seen = 0, there = 0;
+  constexpr int points = 7;
+  for (int k = 0; k < points; ++k) {
+    Vec3 at = place;
+    if (k > 0) {
+      const auto turn = elementary::sin_cos(2 * std::numbers::pi * k / (points - 1));
+      at.head<2>() += 0.5 * radius * Vec2(turn.cos, turn.sin);
+    }
+    seen += lean(sight.slope(at).dot(direction));
+    there += lean(truth.slope(at.head<2>()).dot(direction));
+  }
+  return {seen / points, there / points};
+}
+
 struct Delivered {
   std::array<std::optional<Series>, senses> of;
 };
 
-Delivered reference_series(const Reference& truth, const Crossing& reference, const report::Path& path) {
+Delivered reference_series(const Crossing& reference, const report::Path& path) {
   Delivered out;
-  Series seen, change(reference.place.size(), 0.0);
-  for (std::size_t k = 0; k < reference.place.size(); ++k)
-    seen.push_back(lean(truth.slope(path.place[k]).dot(path.direction[k])));
-  const double rate = reference.rate;
+  Series change(reference.place.size(), 0.0);
   if (reference.probe == Probe::pen) {
     out.of[std::size_t(Sense::touch)] = report::felt_lean(reference.force, path);
     for (std::size_t k = 1; k < change.size(); ++k)
-      change[k] = (reference.force[k] - reference.force[k - 1]).norm() * rate;
+      change[k] = (reference.force[k] - reference.force[k - 1]).norm() * reference.rate;
   } else {
-    out.of[std::size_t(Sense::motion)] = report::acceleration(path, rate);
-    for (std::size_t k = 2; k < change.size(); ++k)
-      change[k] =
-          (reference.place[k] - 2 * reference.place[k - 1] + reference.place[k - 2]).norm() * rate * rate;
+    out.of[std::size_t(Sense::motion)] = report::acceleration_along(reference.acceleration, path);
+    for (std::size_t k = 0; k < change.size(); ++k) change[k] = reference.acceleration[k].norm();
   }
   // Loudness grows less than in proportion.
   for (double& value : change) value = std::sqrt(value);
-  out.of[std::size_t(Sense::picture)] = std::move(seen);
   out.of[std::size_t(Sense::sound)] = std::move(change);
   return out;
 }
@@ -212,9 +226,10 @@ Traces make_traces(const Subject& subject, const Crossing& crossing, const Cross
   relief.touching = resampled(touching, reference.start, reference.rate);
   // The reference at the places of this crossing.
   const Series same = resampled(same_places(crossing, reference, true_path), crossing.start, crossing.rate);
-  const auto at_same = [&](const Series& from) {
+  const double middle = crossing.probe == Probe::ball ? 0.5 : 0;
+  const auto at_same = [&](const Series& from, double off = 0) {
     Series to(length);
-    for (std::size_t k = 0; k < length; ++k) to[k] = value_at(from, same[k]);
+    for (std::size_t k = 0; k < length; ++k) to[k] = value_at(from, same[k] + off);
     return to;
   };
   out.distance = at_same(true_path.distance);
@@ -223,29 +238,41 @@ Traces make_traces(const Subject& subject, const Crossing& crossing, const Cross
     const auto first = std::find_if(same.begin(), same.end(), [&](double at) { return at >= wanted; });
     if (first != same.end()) out.features.push_back(std::size_t(first - same.begin()));
   }
-  Delivered wanted = reference_series(subject.reference(), reference, true_path), delivered;
+  Delivered wanted = reference_series(reference, true_path), delivered;
   if (sight != nullptr) {
-    Series seen;
-    for (std::size_t k = 0; k < crossing.place.size(); ++k)
-      seen.push_back(lean(sight->slope(crossing.place[k]).dot(path.direction[k])));
-    delivered.of[std::size_t(Sense::picture)] = std::move(seen);
+    // Judged where the probe is drawn, so that its motion's errors are not the picture's.
+    Series seen, there;
+    for (std::size_t k = 0; k < crossing.place.size(); ++k) {
+      const auto [shown, true_lean] =
+          seen_around(*sight, subject.reference(), crossing.place[k], path.direction[k], crossing.radius);
+      seen.push_back(shown);
+      there.push_back(true_lean);
+    }
+    const auto filtered = [&](const Series& from) {
+      return smoothed(resampled(from, crossing.start, crossing.rate), sigma);
+    };
+    out.of[std::size_t(Sense::picture)] = {filtered(seen), filtered(there)};
   }
   if (crossing.probe == Probe::pen) {
     delivered.of[std::size_t(Sense::touch)] = report::felt_lean(crossing.force, path);
   } else {
-    delivered.of[std::size_t(Sense::motion)] = report::acceleration(path, crossing.rate);
+    delivered.of[std::size_t(Sense::motion)] = report::acceleration_along(crossing.acceleration, path);
   }
   for (std::size_t s = 0; s < senses; ++s)
     if (delivered.of[s])
-      out.of[s] = {smoothed(resampled(*delivered.of[s], crossing.start, crossing.rate), sigma),
-                   smoothed(at_same(*wanted.of[s]), sigma)};
+      // A step's acceleration belongs in its middle.
+      out.of[s] = {
+          smoothed(resampled(*delivered.of[s], crossing.start - middle / crossing.rate, crossing.rate),
+                   sigma),
+          smoothed(at_same(*wanted.of[s], middle), sigma)};
   const double sound_sigma = 0.002 * trace_rate;
   Series excited = report::excitation(crossing.sound, crossing.sample_rate, trace_rate);
   for (double& value : excited) value = std::sqrt(value);
   excited = smoothed(excited, sound_sigma);
   // A value of `excited` is the mean over its time, in whose middle it belongs.
-  out.of[std::size_t(Sense::sound)] = {resampled(excited, 0.5 / trace_rate, trace_rate),
-                                       smoothed(at_same(*wanted.of[std::size_t(Sense::sound)]), sound_sigma)};
+  out.of[std::size_t(Sense::sound)] = {
+      resampled(excited, 0.5 / trace_rate, trace_rate),
+      smoothed(at_same(*wanted.of[std::size_t(Sense::sound)], middle), sound_sigma)};
   return out;
 }
 

@@ -275,6 +275,7 @@ class BallWorld {
     world_->step();
   }
   Vec3 position() const { return mesh_ ? mesh_->state().pose.position : world_->pose(0).position; }
+  Vec3 velocity() const { return mesh_ ? mesh_->state().velocity : world_->world().drawn_velocity(1); }
   // Those of the last step, which ended at `time`.
   std::vector<ContactEvent> events(double time, TouchEvents& of_mesh) const {
     if (!mesh_) return {world_->world().events().begin(), world_->world().events().end()};
@@ -313,6 +314,7 @@ ReferenceRoll reference_roll(const Subject& subject, const RollOptions& options)
   };
   TouchEvents events(1, place, reference_rate);
   for (std::int64_t k = 0; k < std::int64_t(options.seconds * reference_rate); ++k) {
+    const Vec3 before = ball.state().velocity;
     ball.step();
     const Vec3& at = ball.state().pose.position;
     if (!place.covers(at, -radius)) break;
@@ -324,6 +326,7 @@ ReferenceRoll reference_roll(const Subject& subject, const RollOptions& options)
     out.states.push_back(ball.state());
     out.crossing.place.push_back(at - Vec3(0, 0, radius));
     out.crossing.touching.push_back(ball.touches());
+    out.crossing.acceleration.push_back(reference_rate * (ball.state().velocity - before));
   }
   make_sound(subject, sounding_reference(), events.events(),
              double(out.crossing.place.size()) / reference_rate + 0.2, out.crossing);
@@ -361,9 +364,11 @@ Crossing roll(const Subject& subject, const Candidate& candidate, const RollOpti
       if (k > 0) out.strayed.push_back(place.to_local(world.position()) - from.pose.position);
       restart_from(from);
     }
+    const Vec3 before = world.velocity();
     const double start = cpu_seconds();
     world.step();
     cost += cpu_seconds() - start;
+    out.acceleration.push_back(rate * place.direction_to_local(world.velocity() - before));
     out.place.push_back(place.to_local(world.position()) - Vec3(0, 0, radius));
     bool touches = false;
     for (const ContactEvent& event : world.events(double(k + 1) / rate, of_mesh)) {

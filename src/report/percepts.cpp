@@ -40,10 +40,11 @@ std::vector<double> felt_lean(std::span<const Vec3> force, const Path& path, dou
   return lean;
 }
 
-std::vector<double> acceleration(const Path& path, double rate) {
-  std::vector<double> out(path.speed.size(), 0.0);
-  for (std::size_t k = 1; k + 1 < out.size(); ++k)
-    out[k] = 0.5 * rate * (path.speed[k + 1] - path.speed[k - 1]);
+std::vector<double> acceleration_along(std::span<const Vec3> acceleration, const Path& path) {
+  std::vector<double> out;
+  out.reserve(acceleration.size());
+  for (std::size_t k = 0; k < acceleration.size(); ++k)
+    out.push_back(acceleration[k].head<2>().dot(path.direction[k]));
   return out;
 }
 

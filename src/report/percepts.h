@@ -31,7 +31,7 @@ std::vector<double> felt_lean(std::span<const Vec3> force, const Path& path, dou
 
 // Acceleration along the path, m/s^2: how a body's motion shows the slopes that it crosses, whether or not
 // it is drawn to rise and fall.
-std::vector<double> acceleration(const Path& path, double rate);
+std::vector<double> acceleration_along(std::span<const Vec3> acceleration, const Path& path);
 
 // How strongly the sound is excited, at `rate` values a second, the first at time 0: root mean square of
 // what linear prediction leaves of the samples. Prediction removes what rings on; a new excitation remains
