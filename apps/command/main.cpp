@@ -44,6 +44,25 @@ surface::Polarity parse_polarity(const std::string& text) {
   return text == "height" ? surface::Polarity::height : surface::Polarity::depth;
 }
 
+void add_fault_option(CLI::App& verb, std::vector<std::string>& faults) {
+  const auto check = [](const std::string& text) {
+    scene::Cues cues;
+    const auto added = scene::add_faults(cues, text);
+    return added ? std::string() : added.error().message();
+  };
+  verb.add_option(
+          "--fault", faults,
+          "Senses that are given something else, e.g. sound-delay=60ms,touch-shift=10mm,picture=TEXTURE,motion=off "
+          "(docs/cues.md)")
+      ->type_name("LIST")
+      ->allow_extra_args(false)
+      ->check(check);
+}
+
+void put_faults(const std::vector<std::string>& faults, scene::Cues& cues) {
+  for (const std::string& list : faults) (void)scene::add_faults(cues, list);
+}
+
 namespace {
 
 // The first argument that is, or lists, a number that is not finite. No option accepts one, and CLI::Range

@@ -20,6 +20,7 @@ struct RenderArguments {
   double depth = -1;
   double duration = -1;
   int threads = 2;
+  std::vector<std::string> faults;
 };
 
 // Options override the scene file.
@@ -32,11 +33,13 @@ void override_scene(const RenderArguments& options, scene::Scene& scene) {
   if (!options.polarity.empty()) scene.surface.polarity = parse_polarity(options.polarity);
   if (options.depth >= 0) scene.surface.depth = options.depth;
   if (options.duration > 0) scene.duration = options.duration;
+  put_faults(options.faults, scene.cues);
 }
 
 void print_summary(const session::Run& run, const std::string& output) {
   fmt::print("{}\n  {:.1f} s of scene in {:.1f} s; modal analysis {:.1f} CPU-s\n", output, run.duration,
              run.wall_s, run.bake_s);
+  if (const std::string note = scene::cue_note(run.cues); !note.empty()) fmt::print("  {}\n", note);
   for (const std::string& note : run.notes) fmt::print("  texture: {}\n", note);
   for (const std::string& warning : run.warnings) fmt::print("  warning: {}\n", warning);
   for (const session::SenseCost& cost : run.costs) {
@@ -82,6 +85,7 @@ void add_render(CLI::App& app, Common& common) {
   verb->add_option("--depth", options->depth, "Full depth of the relief, metres")
       ->check(CLI::Range(0.0, 10.0));
   verb->add_option("--duration", options->duration, "Seconds of scene")->check(CLI::Range(0.1, 3600.0));
+  add_fault_option(*verb, options->faults);
   verb->add_option(
           "--threads", options->threads,
           "1: one thread; 2 or more: frames are drawn in parallel with the simulation. The result is the same")
@@ -89,7 +93,8 @@ void add_render(CLI::App& app, Common& common) {
       ->capture_default_str();
   verb->footer(
       "Example:\n  intaglio render scenes/brick.toml -o out/demo/brick.mp4\n  intaglio render "
-      "scenes/brick.toml --surface my_wall/ --polarity height -o out/wall.mp4");
+      "scenes/brick.toml --surface my_wall/ --polarity height -o out/wall.mp4\n"
+      "  intaglio render scenes/brick.toml --fault sound-delay=60ms -o out/late.mp4");
   verb->callback([options, &common] { common.exit_code = run_render(*options, common); });
 }
 

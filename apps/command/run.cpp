@@ -21,6 +21,7 @@ struct RunArguments {
   int width = 0, height = 0;
   double scale = 0;
   bool json = false, fresh = false;
+  std::vector<std::string> faults;
 };
 
 // The scene of `intaglio run` without a file: balls on brick.
@@ -124,6 +125,7 @@ int run(const RunArguments& arguments, const Common& common) {
   options.scene = std::move(*scene);
   options.scene_file = arguments.scene;
   if (!arguments.surface.empty()) scene::put_texture(options.scene.surface, arguments.surface);
+  put_faults(arguments.faults, options.scene.cues);
   if (!arguments.script.empty()) {
     const auto bytes = read_file(arguments.script, 1u << 20);
     if (!bytes) return report(bytes.error());
@@ -166,6 +168,7 @@ void add_run(CLI::App& app, Common& common) {
   verb->add_option("SCENE", arguments->scene, "Scene file (docs/scene.md); none: balls on brick");
   verb->add_option("--surface", arguments->surface,
                    "Your own texture instead of the scene's: an image or a folder");
+  add_fault_option(*verb, arguments->faults);
   verb->add_option("--device", arguments->device,
                    "The pen: a VRPN device, NAME@HOST[:PORT]; none: the mouse");
   verb->add_option("--audio", arguments->audio, "Sound card: default, null (silent), or a part of its name")

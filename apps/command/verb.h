@@ -9,9 +9,11 @@
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 #include "intaglio/error.h"
 #include "intaglio/memory.h"
+#include "scene/cues.h"
 #include "surface/import.h"
 
 namespace intaglio::app {
@@ -41,5 +43,11 @@ void print_json(const nlohmann::json& json);
 // The values of --green (+Y or -Y) and --polarity (height or depth).
 surface::Green parse_green(const std::string& text);
 surface::Polarity parse_polarity(const std::string& text);
+
+// The option --fault, for verbs that run scenes: lists in the form of scene::add_faults(), one after the
+// other. Wrong ones are errors of the command line.
+void add_fault_option(CLI::App& verb, std::vector<std::string>& faults);
+// Changes cues by faults that the option has taken.
+void put_faults(const std::vector<std::string>& faults, scene::Cues& cues);
 
 }  // namespace intaglio::app

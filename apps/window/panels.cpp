@@ -86,6 +86,46 @@ void senses_panel(Settings& settings) {
   ImGui::Checkbox("rumble", &settings.rumble);
 }
 
+// One row: a switch, a delay, a shift along u. A slider's value holds when it is let go, because another
+// session is made for it.
+void cue_row(Settings& settings, const session::LiveSession& session, scene::Cue cue, const char* name) {
+  static std::array<scene::CueSettings, scene::all_cues.size()> edited;  // one window a process
+  static int held = -1;                                                  // the row whose slider is held
+  const int row = int(cue);
+  auto& setting = settings.cues[std::size_t(cue)];
+  scene::CueSettings& edit = edited[std::size_t(cue)];
+  if (held != row) edit = setting.value_or(session.scene().cues[cue]);
+  ImGui::PushID(row);
+  ImGui::TableNextRow();
+  ImGui::TableNextColumn();
+  if (ImGui::Checkbox(name, &edit.on)) setting = edit;
+  const auto number = [&](const char* id, double& value, double low, double high, const char* format) {
+    ImGui::TableNextColumn();
+    ImGui::SetNextItemWidth(-1);
+    double shown = 1e3 * value;
+    if (slider(id, shown, low, high, format)) value = 1e-3 * std::round(shown);
+    if (ImGui::IsItemActive()) held = row;
+    if (ImGui::IsItemDeactivated() && held == row) held = -1;
+    if (ImGui::IsItemDeactivatedAfterEdit()) setting = edit;
+  };
+  number("##delay", edit.delay, 0, 300, "%.0f ms");
+  number("##shift", edit.shift.x(), -50, 50, "%.0f mm");
+  ImGui::PopID();
+}
+
+void cues_panel(Settings& settings, const session::LiveSession& session) {
+  if (!ImGui::CollapsingHeader("Lies: on, late, shifted")) return;
+  if (ImGui::BeginTable("cues", 3)) {
+    for (const scene::Cue cue : scene::all_cues) {
+      constexpr std::array names = {"sight", "touch", "pen heard", "motion", "balls heard"};
+      cue_row(settings, session, cue, names[std::size_t(cue)]);
+    }
+    ImGui::EndTable();
+  }
+  if (ImGui::Button("All true")) settings.cues.fill(scene::CueSettings());
+  for (const std::string& change : scene::cue_changes(session.scene().cues)) wrapped_text(change);
+}
+
 // The address of a VRPN device, used when Enter is pressed; empty: the mouse.
 void device_field(Settings& settings) {
   static std::array<char, 128> typed{};  // edit buffer; one window a process
@@ -171,6 +211,7 @@ PanelActions draw_panels(Settings& settings, session::LiveSession* session, cons
                                                      : fmt::format("Stop ({:.1f} s)", data.recorded).c_str());
     surface_panel(settings, *session);
     senses_panel(settings);
+    cues_panel(settings, *session);
     touch_panel(settings, *session, data, state, actions);
     view_panel(settings, actions);
     if (settings.overlay_timing) timing_panel(*session, data, state);

@@ -42,6 +42,30 @@ Setting direct(const char* name, const Range& range, bool is_saved) {
           }};
 }
 
+// Four settings of a cue: whether it is on, its delay in ms, its shift along u and v in mm. Setting one that
+// is unset starts from a true cue.
+template <scene::Cue cue>
+void add_cue(std::vector<Setting>& all, const std::array<const char*, 4>& names) {
+  static constexpr auto at = std::size_t(cue);
+  constexpr double delay = 1e3 * scene::max_cue_delay, shift = 1e3 * scene::max_cue_shift;
+  using CueSettings = scene::CueSettings;
+  static constexpr auto get = [](const Settings& s) { return s.cues[at].value_or(CueSettings()); };
+  static constexpr auto change = [](Settings& s) -> CueSettings& {
+    return s.cues[at] ? *s.cues[at] : s.cues[at].emplace();
+  };
+  all.push_back({names[0], 0, 1, true, false, false, [](const Settings& s) { return double(get(s).on); },
+                 [](Settings& s, double value) { change(s).on = value != 0; }});
+  all.push_back({names[1], 0, delay, false, false, false,
+                 [](const Settings& s) { return 1e3 * get(s).delay; },
+                 [](Settings& s, double value) { change(s).delay = 1e-3 * value; }});
+  all.push_back({names[2], -shift, shift, false, false, false,
+                 [](const Settings& s) { return 1e3 * get(s).shift.x(); },
+                 [](Settings& s, double value) { change(s).shift.x() = 1e-3 * value; }});
+  all.push_back({names[3], -shift, shift, false, false, false,
+                 [](const Settings& s) { return 1e3 * get(s).shift.y(); },
+                 [](Settings& s, double value) { change(s).shift.y() = 1e-3 * value; }});
+}
+
 fs::path folder(const char* variable, const char* below_home) {
   if (const char* set = std::getenv(variable); set != nullptr && set[0] == '/')
     return fs::path(set) / "intaglio";
@@ -52,8 +76,10 @@ fs::path folder(const char* variable, const char* below_home) {
 
 }  // namespace
 
-const std::vector<Setting>& all_settings() {
-  static const std::vector<Setting> all = {
+namespace {
+
+std::vector<Setting> make_settings() {
+  std::vector<Setting> all = {
       direct<&Settings::width>("width", {16, 7680}, true),
       direct<&Settings::height>("height", {16, 4320}, true),
       direct<&Settings::interface_scale>("interface_scale", {0, 4, false}, true),
@@ -82,6 +108,21 @@ const std::vector<Setting>& all_settings() {
       direct<&Settings::stiffness>("stiffness", {0, 1e5, false, true}, false),
       direct<&Settings::use_paper_method>("papers_method", on_off, false),
   };
+  add_cue<scene::Cue::picture>(all, {"picture_on", "picture_delay", "picture_shift", "picture_shift_v"});
+  add_cue<scene::Cue::touch>(all, {"touch_on", "touch_delay", "touch_shift", "touch_shift_v"});
+  add_cue<scene::Cue::pen_sound>(all,
+                                 {"pen_sound_on", "pen_sound_delay", "pen_sound_shift", "pen_sound_shift_v"});
+  add_cue<scene::Cue::ball_motion>(
+      all, {"ball_motion_on", "ball_motion_delay", "ball_motion_shift", "ball_motion_shift_v"});
+  add_cue<scene::Cue::ball_sound>(
+      all, {"ball_sound_on", "ball_sound_delay", "ball_sound_shift", "ball_sound_shift_v"});
+  return all;
+}
+
+}  // namespace
+
+const std::vector<Setting>& all_settings() {
+  static const std::vector<Setting> all = make_settings();
   return all;
 }
 

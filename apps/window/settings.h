@@ -4,12 +4,15 @@
 // file is reported and left unchanged; defaults apply.
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "intaglio/error.h"
+#include "scene/cues.h"
 
 namespace intaglio::window {
 
@@ -36,6 +39,8 @@ struct Settings {
   double depth = -1;        // m; below 0: scene default
   double stiffness = -1;    // N/m; below 0: scene default
   bool use_paper_method = false;
+  // Cues in the order of scene::Cue; unset: as the scene says.
+  std::array<std::optional<scene::CueSettings>, scene::all_cues.size()> cues;
   std::string material;       // of the floor; empty: scene default
   std::string device;         // the pen: NAME@HOST[:PORT] of a VRPN device; empty: the mouse
   std::string device_source;  // "file:line" of the script that set it, for errors; empty: no script

@@ -118,7 +118,7 @@ namespace {
 bool needs_new_session(const Settings& a, const Settings& b) {
   const auto key = [](const Settings& s) {
     return std::tuple(s.representation, s.depth, s.stiffness, s.use_paper_method, s.material, s.moves,
-                      s.feels, s.hears);
+                      s.feels, s.hears, s.cues);
   };
   return key(a) != key(b);
 }
@@ -189,6 +189,8 @@ scene::Scene with_settings(scene::Scene scene, const Settings& settings) {
   scene.pen = session::pen_for(scene);
   if (settings.use_paper_method) scene.pen->method = haptics::HapticMethod::plane;
   if (settings.stiffness >= 0) scene.pen->spring.stiffness = settings.stiffness;
+  for (const scene::Cue cue : scene::all_cues)
+    if (const auto& changed = settings.cues[std::size_t(cue)]) scene.cues[cue] = *changed;
   return scene;
 }
 
@@ -223,6 +225,7 @@ void Stage::request_scene(const scene::Scene& scene, const Settings& settings, b
   if (keeps_bodies && session_ != nullptr && requested_settings_ &&
       settings.depth == requested_settings_->depth && settings.material == requested_settings_->material &&
       request.scene.surface.texture == session_->scene().surface.texture &&
+      scene::share_surfaces(request.scene.cues, session_->scene().cues) &&
       (request.scene.surface.representation != Representation::relief ||
        session_->surface().surface->has_depth()))
     request.surface = session_->surface();
@@ -316,6 +319,7 @@ bool Stage::take_loaded(std::string& message) {
     loaded->session->continue_counters(*session_);
   }
   if (session_ && loaded->request.keeps_bodies) loaded->session->follow(*session_);
+  const std::string told = session_ ? scene::cue_note(session_->scene().cues) : "";
   const bool is_other = !session_ || !loaded->request.keeps_bodies;
   scene_ = requested_scene_;
   session_ = std::move(loaded->session);
@@ -328,6 +332,8 @@ bool Stage::take_loaded(std::string& message) {
   std::error_code ignored;
   if (std::filesystem::exists(scene_.surface.texture, ignored)) files.emplace_back(scene_.surface.texture);
   watch_.watch(std::move(files));
+  if (const std::string note = scene::cue_note(session_->scene().cues); message.empty() && note != told)
+    message = note.empty() ? "cues: all true" : note;
   if (message.empty() && is_other && !session_->surface().notes.empty())
     message = session_->surface().notes.front();
   return is_other;

@@ -151,6 +151,8 @@ Result<void> write_report(const Digest& digest, const PageVideo& video,
   out(page_head(title + " – Intaglio", report_css));
   out(fmt::format("<header>\n<h1>{}</h1>\n<p class=\"lead\">{}</p>\n", escape_html(title),
                   summary_sentence(digest)));
+  if (const std::string note = scene::cue_note(run.cues); !note.empty())
+    out(fmt::format("<p class=\"note\">{}.</p>\n", escape_html(note)));
   if (auto written = write_video(video, out); !written) return written;
   out(key_frame_strip(run) + "</header>\n");
   out(section("seen", "Seen",

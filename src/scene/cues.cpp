@@ -232,6 +232,13 @@ bool Cues::are_true() const {
   return std::all_of(all_cues.begin(), all_cues.end(), [this](Cue cue) { return (*this)[cue].is_true(); });
 }
 
+bool share_surfaces(const Cues& a, const Cues& b) {
+  const auto equal = [&](Cue cue) {
+    return a[cue].texture == b[cue].texture && a[cue].shift == b[cue].shift;
+  };
+  return a.picture.on == b.picture.on && std::all_of(all_cues.begin(), all_cues.end(), equal);
+}
+
 Result<void> add_faults(Cues& cues, std::string_view text) {
   Cues changed = cues;
   while (true) {

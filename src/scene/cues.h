@@ -58,6 +58,9 @@ struct Cues {
   bool operator==(const Cues&) const = default;
 };
 
+// Whether both are given the same surfaces: they differ in delays and switches at most.
+bool share_surfaces(const Cues& a, const Cues& b);
+
 // Changes cues as a comma-separated list says, left to right:
 //
 //   sound-delay=60ms, touch-shift=10mm, picture=other_texture, ball_motion=off

@@ -43,6 +43,8 @@ Result<Recording> simulate(const Scene& scene, const SimulateOptions& options) {
   (*simulation)->finish();
   static_cast<session::Run&>(recording) = std::move((*simulation)->run());
   recording.notes = surface->notes;
+  if (std::string note = scene::cue_note(from.cues); !note.empty())
+    recording.notes.push_back(std::move(note));
   if (options.progress) options.progress(1);
   return Recording(std::make_shared<const Recording::Impl>(
       Recording::Impl{scene, std::move(*surface), std::move(recording), std::move(frames)}));

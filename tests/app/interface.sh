@@ -87,6 +87,8 @@ def documented_scene_keys():
             section = "[surface] material."
         elif match := re.match(r"\|\s*`(\w+)`\s*\|", line):
             name = match.group(1)
+            if section.startswith("[cues]"):
+                name = "touch." + name
             if section.startswith("[[ground]]") and name != "base":
                 name = "base." + name
             elif section.startswith("[surface] material.") and name in ("rms_height", "correlation_length", "spectral_slope"):
@@ -96,6 +98,8 @@ def documented_scene_keys():
         for name in ("texture", "green", "polarity", "edge", "depth", "maps"):
             yield f"[[body]] {side}.{name}"
     yield "[[body]] skin.repeat"
+    for cue in ("picture", "touch", "pen_sound", "ball_motion", "ball_sound"):
+        yield f"[cues] {cue}"
 
 def add_scene_keys(keys):
     example = scene_refusal("[surface] invented", "1979-05-27")
@@ -130,7 +134,7 @@ def add_devices():
 add_command([])
 if sys.argv[4] == "--print":
     scene_keys = list(documented_scene_keys())
-    settings = re.findall(r'<&Settings::\w+>\("(\w+)"', "".join(f.read_text() for f in (SOURCE / "apps/window").glob("settings.cpp")))
+    settings = re.findall(r'(?:<&Settings::\w+>\(|[{ ])"(\w+)"[,}]', "".join(f.read_text() for f in (SOURCE / "apps/window").glob("settings.cpp")))
     settings += ["width", "height", "interface_scale"]
     events = "key hold release move point down up wheel drop resize set device screenshot quit".split()
 else:
