@@ -115,7 +115,10 @@ void cue_row(Settings& settings, const session::LiveSession& session, scene::Cue
 
 void cues_panel(Settings& settings, const session::LiveSession& session) {
   if (!ImGui::CollapsingHeader("Lies: on, late, shifted")) return;
-  if (ImGui::BeginTable("cues", 3)) {
+  if (ImGui::BeginTable("cues", 3, ImGuiTableFlags_SizingFixedFit)) {
+    const float em = ImGui::GetFontSize();
+    for (const float width : {8.2f, 5.7f, 5.7f})
+      ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed, width * em);
     for (const scene::Cue cue : scene::all_cues) {
       constexpr std::array names = {"sight", "touch", "pen heard", "motion", "balls heard"};
       cue_row(settings, session, cue, names[std::size_t(cue)]);

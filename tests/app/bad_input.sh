@@ -37,6 +37,19 @@ head -c 300 "$source/fuzz/seeds/image_jpeg/rgb.jpg" >"$work/cut.jpg"
 echo "not an image" >"$work/text.png"
 mkdir "$work/nothing"
 
+# A wrong fault is a wrong command line: exit code 2, and a line more that names --help.
+refuse() {
+  render "$scene" --fault "$1" 2>"$work/stderr"
+  local code=$?
+  if [ $code -eq 2 ] && grep -qF -e "--fault: $1: $2" "$work/stderr" && [ ! -e "$work/out/x.mp4" ]; then
+    echo "fault $1: ok"
+  else
+    echo "fault $1: exit code $code"; cat "$work/stderr"; failures=$((failures + 1))
+  fi
+}
+refuse sond-delay=60ms 'there is no cue "sond"; did you mean sound?'
+refuse sound-delay=-60ms 'a delay is negative: no sense can be early'
+expect "no texture of a cue" 'nowhere\.png: no such file' render "$scene" --fault touch=nowhere.png
 expect "missing scene" 'brik\.toml: no such file; did you mean .*brick\.toml' render "$source/scenes/brik.toml"
 expect "missing image" 'no_such\.png: no such file' render "$scene" --surface "$work/no_such.png"
 expect "empty image" 'empty\.png: .*0 bytes' render "$scene" --surface "$work/empty.png"

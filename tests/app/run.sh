@@ -93,6 +93,15 @@ play switching --fresh <<SCRIPT
 SCRIPT
 check "representations, methods, depth, senses" report switching "r['gl_errors'] == 0"
 
+play lies "$source/scenes/training.toml" --fault sound-delay=60ms,picture=off --fresh <<SCRIPT
+0.3 set touch_delay 60
+1.3 set picture_on 1
+2.3 set ball_motion_shift -20
+2.3 set touch_on 0
+4.0 quit
+SCRIPT
+check "cues of every kind, live" report lies "r['gl_errors'] == 0 and any('cues: picture off, sound late by 60 ms' in m for m in r['messages']) and 'touch off, touch late by 60 ms' in r['messages'][-1] and 'motion shifted by -20 mm along u' in r['messages'][-1]"
+
 play dropping --fresh <<SCRIPT
 0.1 drop $work/waves.png
 1.5 drop $work/dot.png
