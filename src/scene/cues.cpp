@@ -159,7 +159,7 @@ Result<void> set_value(const std::string& name, std::string_view value, std::vec
                               shown(value), shown(value)));
   for (CueSettings* cue : cues) {
     cue->texture = std::string(value);
-    cue->line.clear();
+    cue->line = fmt::format("{}={}", name, shown(value));
   }
   return {};
 }

@@ -36,7 +36,7 @@ struct CueSettings {
   double delay = 0;                    // s, 0 to max_cue_delay
   Vec2 shift = Vec2::Zero();           // m, along u and v of the floor, each within +-max_cue_shift
   std::optional<std::string> texture;  // instead of the floor's own, named as there
-  std::string line;  // "file:line" of the texture in a scene file, for errors; empty: not from a file
+  std::string line;  // where the texture was named, for errors: "file:line", or the part of a fault list
 
   bool is_true() const { return on && delay == 0 && !moves_texture(); }
   // Whether the cue needs a floor of its own: another texture, or the same one elsewhere.

@@ -49,7 +49,7 @@ refuse() {
 }
 refuse sond-delay=60ms 'there is no cue "sond"; did you mean sound?'
 refuse sound-delay=-60ms 'a delay is negative: no sense can be early'
-expect "no texture of a cue" 'nowhere\.png: no such file' render "$scene" --fault touch=nowhere.png
+expect "no texture of a cue" 'touch=nowhere\.png: nowhere\.png: no such file' render "$scene" --fault touch=nowhere.png
 expect "missing scene" 'brik\.toml: no such file; did you mean .*brick\.toml' render "$source/scenes/brik.toml"
 expect "missing image" 'no_such\.png: no such file' render "$scene" --surface "$work/no_such.png"
 expect "empty image" 'empty\.png: .*0 bytes' render "$scene" --surface "$work/empty.png"

@@ -118,6 +118,39 @@ TEST_CASE("the mouse's pen comes down, touches, pushes back, and lets go") {
   CHECK(wait_for(*session, [](const LiveState& s) { return !s.pen.touching && s.pen.tip.y() > 0.05; }));
 }
 
+TEST_CASE("a hand that is given no touch feels nothing, and its pen touches all the same") {
+  const auto session = live(parsed("[surface]\nrepresentation = \"flat\"\n[cues]\ntouch = false\n"));
+  session->start(nullptr, nullptr);
+  session->set_pen_target({0.1, -0.02, 0.1});
+  CHECK(wait_for(*session, [](const LiveState& s) {
+    return s.pen.touching && s.pen.force.y() > 0.05 && s.mark_count > 0 && s.pen.felt == Vec3::Zero();
+  }));
+  // Nothing holds the tip back; it is drawn on the surface.
+  CHECK(wait_for(*session, [](const LiveState& s) { return s.pen.tip.y() < -0.018; }));
+  CHECK(session->state().pen.proxy.y() > -0.01);
+}
+
+TEST_CASE("bodies are drawn as many steps late as their delay and the picture's say") {
+  const auto pose_after = [](const std::string& cues, std::uint64_t steps) {
+    const auto session = live(parsed(dropped_ball + cues));
+    Controls controls;
+    controls.paused = true;
+    controls.single_steps = steps;
+    session->set_controls(controls);
+    session->start(nullptr, nullptr);
+    REQUIRE(wait_for(*session, [&](const LiveState& s) { return s.steps == steps; }));
+    session->stop();
+    return session->state().pose[0].position;
+  };
+  // 48 steps of 1/480 s, and 12.
+  const std::string late = "[cues.ball_motion]\ndelay = 0.1\n",
+                    later = late + "[cues.picture]\ndelay = 0.025\n";
+  CHECK(pose_after(late, 90) == pose_after("", 42));
+  CHECK(pose_after(later, 90) == pose_after("", 30));
+  CHECK(pose_after("", 42) != pose_after("", 41));
+  CHECK(pose_after(late, 20) == pose_after("", 0));
+}
+
 TEST_CASE("sound starts when its models are ready, and an impact is heard") {
   const Scene scene = parsed(dropped_ball + "[sound]\nmodes = 4\n");
   VoiceBaker baker;
