@@ -13,6 +13,12 @@ namespace intaglio::evaluate {
 
 namespace {
 
+// What the templates below call must be declared before them.
+std::string json(const Measured& measured);
+std::string json(const PairAgreement& pair);
+std::string json(const ProbeAgreement& probe);
+std::string json(const Threshold& threshold);
+
 std::string json(double value) {
   return std::isfinite(value) ? fmt::format("{}", value) : "null";
 }
@@ -76,8 +82,7 @@ std::string json(const PairAgreement& pair) {
       .add("second", std::string_view(name_of(pair.second)))
       .add_json("ms", percentiles(pair.ms))
       .add_json("mm", percentiles(pair.mm))
-      .add_json("jnd",
-                JsonObject().add("mean", mean(pair.jnd)).add("p95", quantile(pair.jnd, 0.95)).text())
+      .add_json("jnd", JsonObject().add("mean", mean(pair.jnd)).add("p95", quantile(pair.jnd, 0.95)).text())
       .add("missed", pair.missed)
       .text();
 }
@@ -145,10 +150,7 @@ std::string json(const TouchTruth& touch) {
 }
 
 std::string json(const SoundTruth& sound) {
-  return JsonObject()
-      .add("spectrum_db", sound.spectrum_db)
-      .add("loudness_sone", sound.loudness_sone)
-      .text();
+  return JsonObject().add("spectrum_db", sound.spectrum_db).add("loudness_sone", sound.loudness_sone).text();
 }
 
 std::string cost_json(const RepresentationResult& result) {
@@ -219,10 +221,8 @@ std::string evaluation_json(const Evaluation& evaluation) {
                        .text());
   add("representations", fmt::format("{{\n{}}}", fmt::join(results, ",\n")));
   add("recommendation", json(evaluation.recommendation));
-  add("thresholds", JsonObject()
-                        .add("times", options.thresholds.times)
-                        .add("places", options.thresholds.places)
-                        .text());
+  add("thresholds",
+      JsonObject().add("times", options.thresholds.times).add("places", options.thresholds.places).text());
   out += fmt::format("  \"seconds\": {}\n}}\n", json(evaluation.seconds));
   return out;
 }
