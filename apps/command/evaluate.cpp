@@ -19,6 +19,7 @@ struct EvaluateArguments {
   std::string texture, material, fault, html, json, thresholds;
   double size = 1, depth = -1;
   std::uint64_t seed = 1;
+  int runs = 0;
   bool quick = false;
 };
 
@@ -30,6 +31,7 @@ Result<evaluate::EvaluateOptions> evaluate_options(const EvaluateArguments& argu
   options.subject.allowed_memory = common.allowed_memory;
   options.seed = arguments.seed;
   options.quick = arguments.quick;
+  if (arguments.runs > 0) options.wanted_runs = arguments.runs;
   if (!arguments.material.empty()) {
     auto material = find_material(arguments.material);
     if (!material) return tl::unexpected(with_where("--material", material.error()));
@@ -47,8 +49,8 @@ Result<evaluate::EvaluateOptions> evaluate_options(const EvaluateArguments& argu
 }
 
 void print_table(const evaluate::Evaluation& evaluation) {
-  fmt::print("{:28} {:>7} {:>13} {:>7} {:>8} {:>7} {:>9} {:>9} {:>9}\n", "", "mean x", "95 %", "score", "ms p95",
-             "missed", "place mm", "force N", "sound dB");
+  fmt::print("{:28} {:>7} {:>13} {:>7} {:>8} {:>7} {:>9} {:>9} {:>9}\n", "", "mean x", "95 %", "score",
+             "ms p95", "missed", "place mm", "force N", "sound dB");
   for (const auto& r : evaluation.representations) {
     const evaluate::Measured x = r.mean_jnd();
     fmt::print("{:28} {:7.2f} {:6.2f}..{:5.2f} {:6.0f}% {:8.1f} {:7} {:9.2f} {:9.3f} {:9.1f}\n",
@@ -62,8 +64,8 @@ void print_table(const evaluate::Evaluation& evaluation) {
 }
 
 int run_evaluate(const EvaluateArguments& arguments, const Common& common) {
-  for (const auto& [file, extension, what] :
-       {std::tuple(&arguments.html, ".html", "a page"), std::tuple(&arguments.json, ".json", "a JSON file")}) {
+  for (const auto& [file, extension, what] : {std::tuple(&arguments.html, ".html", "a page"),
+                                              std::tuple(&arguments.json, ".json", "a JSON file")}) {
     if (file->empty()) continue;
     if (auto named = check_extension(*file, extension, what); !named) return report(named.error());
     if (auto writable = check_writable(*file); !writable) return report(writable.error());
@@ -92,8 +94,9 @@ void add_evaluate(CLI::App& app, Common& common) {
   CLI::App* verb = app.add_subcommand(
       "evaluate", "Measure how well what is seen, felt and heard of a texture agrees, and what it costs");
   auto options = std::make_shared<EvaluateArguments>();
-  verb->add_option("TEXTURE", options->texture,
-                   "An image, a folder of images, a built-in name (brick; docs/materials.md) or a recipe (.toml)")
+  verb->add_option(
+          "TEXTURE", options->texture,
+          "An image, a folder of images, a built-in name (brick; docs/materials.md) or a recipe (.toml)")
       ->required();
   verb->add_option("--size", options->size, "Side of the surface, m  [1]")->check(CLI::Range(0.05, 20.0));
   verb->add_option("--depth", options->depth, "Depth of the relief, m; default: as the texture implies")
@@ -101,9 +104,14 @@ void add_evaluate(CLI::App& app, Common& common) {
   verb->add_option("--material", options->material, "Material of the surface; default: the texture's own");
   verb->add_option("--seed", options->seed, "Seed of the strokes and rolls  [1]");
   verb->add_flag("--quick", options->quick, "4 strokes and rolls instead of 20, smaller pictures");
-  verb->add_option("--fault", options->fault,
-                   "Faults, such as sound-delay=60ms,touch-shift=10mm,picture=pebbles: what would people notice?");
-  verb->add_option("--thresholds", options->thresholds, "Thresholds of your own (TOML) instead of the literature's");
+  verb->add_option("--runs", options->runs,
+                   "Strokes and rolls; more narrow the intervals  [20; 4 with --quick]")
+      ->check(CLI::Range(1, 1000));
+  verb->add_option(
+      "--fault", options->fault,
+      "Faults, such as sound-delay=60ms,touch-shift=10mm,picture=pebbles: what would people notice?");
+  verb->add_option("--thresholds", options->thresholds,
+                   "Thresholds of your own (TOML) instead of the literature's");
   verb->add_option("--html", options->html, "Write a page");
   verb->add_option("--json", options->json, "Write all numbers as JSON");
   verb->footer(

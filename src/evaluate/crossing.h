@@ -23,7 +23,8 @@ struct Crossing {
   std::vector<Vec3> place = {};
   std::vector<Vec3> force = {};  // N on the hand, local axes (t, b, n); pens only
   std::vector<bool> touching = {};
-  std::vector<Vec3> acceleration = {};  // m/s^2, local, mean over the step that ends at the value's time; balls
+  std::vector<Vec3> acceleration =
+      {};                         // m/s^2, local, mean over the step that ends at the value's time; balls
   double sample_rate = 44100;     // Hz
   std::vector<float> sound = {};  // Pa at 1 m, the first sample at time 0
 

@@ -180,6 +180,7 @@ class Evaluator {
   std::optional<Subject> subject_;
   std::vector<RunPlan> plans_;
   std::vector<ReferenceRun> references_;
+  std::optional<PictureReference> pictures_;
 };
 
 Result<void> Evaluator::prepare() {
@@ -196,6 +197,9 @@ Result<void> Evaluator::prepare() {
                                                    options.subject.grid)
                                      : "the bicubic field of the fused height: an image has no other truth";
   plans_ = plan_runs(options);
+  auto pictures = PictureReference::make(*subject_, options.quick ? 256 : 480);
+  if (!pictures) return tl::unexpected(pictures.error());
+  pictures_.emplace(std::move(*pictures));
   return faults_.prepare();
 }
 
@@ -252,6 +256,9 @@ Result<RepresentationResult> Evaluator::evaluate_one(const Candidate& candidate)
   result.candidate = candidate;
   auto sight = Sight::look(*subject_, candidate, options.quick ? 768 : 1536);
   if (!sight) return tl::unexpected(sight.error());
+  auto picture = measure_picture(*subject_, candidate, *sight, *pictures_);
+  if (!picture) return tl::unexpected(picture.error());
+  result.picture = *picture;
   Runs place, height, normal, force, direction, buzz, bands, steps, spectrum, loudness;
   double touch_cost = 0, motion_cost = 0, sound_cost = 0;
   for (std::size_t k = 0; k < plans_.size(); ++k) {

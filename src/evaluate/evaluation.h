@@ -25,12 +25,14 @@ namespace intaglio::evaluate {
 struct EvaluateOptions {
   SubjectOptions subject;
   std::uint64_t seed = 1;
-  bool quick = false;  // 4 runs of each probe instead of 20, smaller pictures, a coarser reference
+  bool quick = false;  // fewer runs, smaller pictures, a coarser reference
   scene::Cues faults;  // applied to what the senses deliver
   Thresholds thresholds = builtin_thresholds();
   std::function<void(double done, const std::string& what)> progress = {};
 
-  int runs() const { return quick ? 4 : 20; }
+  std::optional<int> wanted_runs;  // of each probe; unset: 4 of a quick one, otherwise 20
+
+  int runs() const { return wanted_runs.value_or(quick ? 4 : 20); }
 };
 
 // Differences from the reference; a mean with a 95 % interval over runs.

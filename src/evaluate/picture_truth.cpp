@@ -195,8 +195,8 @@ Result<PictureReference> PictureReference::make(const Subject& subject, int pixe
   if (!renderer) return tl::unexpected(renderer.error());
   const surface::Placement& place = out.surface_->placement();
   for (const double elevation : elevations) {
-    out.views_.push_back(view_of_slab(place, options.slab_thickness, elevation,
-                                      double(out.grid_.width) / out.grid_.height));
+    out.views_.push_back(
+        view_of_slab(place, options.slab_thickness, elevation, double(out.grid_.width) / out.grid_.height));
     out.depths_.push_back(reference_depths(truth, place, out.views_.back(), out.grid_));
   }
   out.pictures_ = draw_views(**renderer, subject, candidate, out.views_);
@@ -227,7 +227,8 @@ Result<PictureTruth> PictureReference::compare(std::span<const Picture> pictures
     if (!difference) return tl::unexpected(difference.error());
     std::size_t either = 0, one = 0;
     for (std::size_t p = 0; p < picture.depth.size(); ++p) {
-      const bool in_reference = std::isfinite(reference.depth[p]), in_picture = std::isfinite(picture.depth[p]);
+      const bool in_reference = std::isfinite(reference.depth[p]),
+                 in_picture = std::isfinite(picture.depth[p]);
       if (!in_reference && !in_picture) continue;
       ++either;
       one += in_reference != in_picture;
