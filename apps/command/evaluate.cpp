@@ -1,8 +1,17 @@
 // intaglio evaluate TEXTURE
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <filesystem>
+#include <map>
 #include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
+#include <thread>
+#include <tuple>
+#include <vector>
 
 #include "command/verb.h"
 #include "core/file.h"
@@ -16,16 +25,18 @@ namespace intaglio::app {
 namespace {
 
 struct EvaluateArguments {
-  std::string texture, material, fault, html, json, thresholds;
+  std::vector<std::string> textures;
+  std::string material, fault, html, json, thresholds, all, output;
   double size = 1, depth = -1;
   std::uint64_t seed = 1;
-  int runs = 0;
-  bool quick = false;
+  int runs = 0, jobs = 1;
+  bool quick = false, again = false;
+
+  bool is_batch() const { return !all.empty() || textures.size() > 1 || !output.empty(); }
 };
 
 Result<evaluate::EvaluateOptions> evaluate_options(const EvaluateArguments& arguments, const Common& common) {
   evaluate::EvaluateOptions options;
-  options.subject.texture = arguments.texture;
   options.subject.size = arguments.size;
   if (arguments.depth >= 0) options.subject.depth = arguments.depth;
   options.subject.allowed_memory = common.allowed_memory;
@@ -63,7 +74,7 @@ void print_table(const evaluate::Evaluation& evaluation) {
   for (const std::string& reason : choice.reasons) fmt::print("  {}\n", reason);
 }
 
-int run_evaluate(const EvaluateArguments& arguments, const Common& common) {
+int evaluate_one(const EvaluateArguments& arguments, const Common& common) {
   for (const auto& [file, extension, what] : {std::tuple(&arguments.html, ".html", "a page"),
                                               std::tuple(&arguments.json, ".json", "a JSON file")}) {
     if (file->empty()) continue;
@@ -72,6 +83,7 @@ int run_evaluate(const EvaluateArguments& arguments, const Common& common) {
   }
   auto options = evaluate_options(arguments, common);
   if (!options) return report(options.error());
+  options->subject.texture = arguments.textures.front();
   Progress progress("evaluate", common.quiet);
   options->progress = [&](double done, const std::string& what) { progress.update(done, what); };
   const auto evaluation = evaluate::evaluate(*options);
@@ -86,6 +98,151 @@ int run_evaluate(const EvaluateArguments& arguments, const Common& common) {
   if (auto committed = files.commit(); !committed) return report(committed.error());
   if (!common.quiet) print_table(*evaluation);
   return 0;
+}
+
+// --- Several textures ---
+
+// Images and folders of images in a folder, sorted: each is a texture.
+Result<std::vector<std::string>> textures_in(const std::string& folder) {
+  std::error_code error;
+  std::vector<std::string> found;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error))
+    if (entry.is_directory() || entry.is_regular_file()) found.push_back(entry.path().string());
+  if (error) return fail(folder, error.message(), "give a folder of images, or of folders of images");
+  std::sort(found.begin(), found.end());
+  if (found.empty())
+    return fail(folder, "holds no textures", "give a folder of images, or of folders of images");
+  return found;
+}
+
+// A result's name: the texture's last part, without extension.
+std::string result_name(const std::string& texture) {
+  std::filesystem::path path = std::filesystem::path(texture).lexically_normal();
+  if (!path.has_filename()) path = path.parent_path();
+  return std::filesystem::is_directory(path) ? path.filename().string() : path.stem().string();
+}
+
+// One texture of a batch.
+struct BatchItem {
+  std::string texture;
+  std::filesystem::path json, html;
+  std::string line;  // of the summary; empty before it is done
+  std::optional<Error> error;
+};
+
+constexpr std::string_view summary_head =
+    "texture,recommended,mean_x_flat,mean_x_normal_paper,mean_x_normal,mean_x_relief_paper,mean_x_relief,"
+    "mean_x_mesh_256,mean_x_mesh_512\n";
+
+Result<std::string> summary_line(const BatchItem& item) {
+  const auto text = read_text(item.json, std::uintmax_t{1} << 26);
+  if (!text) return tl::unexpected(text.error());
+  const auto json = nlohmann::json::parse(*text, nullptr, false);
+  const auto not_ours = [&] {
+    return fail(item.json.string(), "is no result of evaluate", "remove it, or measure everything --again");
+  };
+  if (!json.is_object() || !json.contains("recommendation") || !json.contains("representations"))
+    return not_ours();
+  const auto choice = json["recommendation"].value("representation", std::string());
+  std::string line = fmt::format("\"{}\",{}", item.texture, choice);
+  for (const evaluate::Candidate& candidate : evaluate::candidates()) {
+    const nlohmann::json mean = json.value(
+        nlohmann::json::json_pointer(fmt::format("/representations/{}/agreement/jnd/mean", candidate.key)),
+        nlohmann::json());
+    line += mean.is_number() ? fmt::format(",{:.4g}", mean.get<double>()) : ",";
+  }
+  return line + "\n";
+}
+
+Result<void> evaluate_item(const evaluate::EvaluateOptions& common, BatchItem& item, bool again) {
+  std::error_code ignored;
+  if (again || !std::filesystem::exists(item.json, ignored)) {
+    evaluate::EvaluateOptions options = common;
+    options.subject.texture = item.texture;
+    const auto evaluation = evaluate::evaluate(options);
+    if (!evaluation) return tl::unexpected(evaluation.error());
+    OutputFiles files;
+    auto written = files.write(item.html, evaluate::evaluation_html(*evaluation));
+    if (written) written = files.write(item.json, evaluate::evaluation_json(*evaluation));
+    if (written) written = files.commit();
+    if (!written) return written;
+  }
+  auto line = summary_line(item);
+  if (!line) return tl::unexpected(line.error());
+  item.line = std::move(*line);
+  return {};
+}
+
+Result<std::vector<BatchItem>> batch_items(const EvaluateArguments& arguments) {
+  std::vector<std::string> textures = arguments.textures;
+  if (!arguments.all.empty()) {
+    auto found = textures_in(arguments.all);
+    if (!found) return tl::unexpected(found.error());
+    textures.insert(textures.end(), found->begin(), found->end());
+  }
+  std::map<std::string, std::string> names;
+  std::vector<BatchItem> items;
+  for (const std::string& texture : textures) {
+    const std::string name = result_name(texture);
+    if (const auto [at, is_new] = names.try_emplace(name, texture); !is_new)
+      return fail(texture, "would have the same result's name as " + at->second,
+                  "evaluate them into two folders");
+    const std::filesystem::path folder(arguments.output);
+    items.push_back({texture, folder / (name + ".json"), folder / (name + ".html"), "", std::nullopt});
+  }
+  return items;
+}
+
+int evaluate_batch(const EvaluateArguments& arguments, const Common& common) {
+  const auto options = evaluate_options(arguments, common);
+  if (!options) return report(options.error());
+  auto items = batch_items(arguments);
+  if (!items) return report(items.error());
+  if (auto writable = check_writable(std::filesystem::path(arguments.output) / "summary.csv"); !writable)
+    return report(writable.error());
+  Progress progress("evaluate", common.quiet);
+  std::mutex mutex;
+  std::size_t next = 0, done = 0;
+  const auto work = [&] {
+    while (true) {
+      std::size_t k = 0;
+      {
+        const std::lock_guard lock(mutex);
+        if (next == items->size()) return;
+        k = next++;
+      }
+      BatchItem& item = (*items)[k];
+      if (auto result = evaluate_item(*options, item, arguments.again); !result) item.error = result.error();
+      const std::lock_guard lock(mutex);
+      progress.update(double(++done) / double(items->size()), item.texture);
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int k = 1; k < arguments.jobs; ++k) threads.emplace_back(work);
+  work();
+  for (std::thread& thread : threads) thread.join();
+  std::string summary(summary_head);
+  int code = 0;
+  for (const BatchItem& item : *items) {
+    summary += item.line;
+    if (item.error) code = report(*item.error);
+  }
+  if (auto written = write_file(std::filesystem::path(arguments.output) / "summary.csv", summary); !written)
+    return report(written.error());
+  if (!common.quiet) fmt::print("{}", summary);
+  return code;
+}
+
+int run_evaluate(const EvaluateArguments& arguments, const Common& common) {
+  if (arguments.textures.empty() && arguments.all.empty())
+    return report({"evaluate", "has no texture", "name one, such as brick, or give --all FOLDER"});
+  if (!arguments.is_batch()) return evaluate_one(arguments, common);
+  if (arguments.output.empty())
+    return report({"evaluate", "several textures need a folder for their results", "give -o FOLDER"});
+  if (!arguments.html.empty() || !arguments.json.empty())
+    return report(
+        {"evaluate", "with -o every texture has its page and JSON there", "leave out --html and --json"});
+  return evaluate_batch(arguments, common);
 }
 
 }  // namespace
@@ -114,6 +271,11 @@ void add_evaluate(CLI::App& app, Common& common) {
                    "Thresholds of your own (TOML) instead of the literature's");
   verb->add_option("--html", options->html, "Write a page");
   verb->add_option("--json", options->json, "Write all numbers as JSON");
+  verb->add_option("-o,--output", options->output,
+                   "Folder for a page and a JSON of each texture and summary.csv; done ones are kept");
+  verb->add_option("--all", options->all, "Every image and folder in this folder is a texture");
+  verb->add_option("-j,--jobs", options->jobs, "Textures at a time  [1]")->check(CLI::Range(1, 256));
+  verb->add_flag("--again", options->again, "Measure what is done already, too");
   verb->footer(
       "Examples:\n  intaglio evaluate brick --quick --html out/brick.html\n  intaglio evaluate my_wall/ --size 2 --json "
       "out/wall.json\n  intaglio evaluate brick --quick --fault sound-delay=60ms");
