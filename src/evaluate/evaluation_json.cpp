@@ -13,7 +13,7 @@ namespace intaglio::evaluate {
 
 namespace {
 
-// What the templates below call must be declared before them.
+// Declared before the templates that call them.
 std::string json(const Measured& measured);
 std::string json(const PairAgreement& pair);
 std::string json(const ProbeAgreement& probe);

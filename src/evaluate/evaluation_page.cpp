@@ -45,10 +45,11 @@ h1 { overflow-wrap: anywhere; } h1 b { color: var(--c); font-weight: 650; }
 .swatch.line { height: 2px; background: var(--c); opacity: 1; } .swatch.tick { width: 1px; height: 15px; background: var(--soft); }
 .swatch.gap { height: 4px; width: 14px; background: var(--alarm); opacity: 1; } .cross { color: var(--alarm); font-weight: 650; }
 .smalls { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 244px), 1fr)); gap: 30px 32px; }
+.smalls h3 { font-size: 15px; white-space: nowrap; }
 .smalls h3 .dot { width: 10px; height: 10px; margin-right: 7px; }
 .wide { margin-bottom: 0; }
-.wide:last-child table { width: 100%; }
-.compare { table-layout: fixed; min-width: 940px; }
+.wide:last-child table { width: 100%; min-width: 0; }
+.wide:last-child .compare { table-layout: fixed; min-width: 940px; }
 .compare thead td { width: 17%; }
 .compare th, .compare td { padding: 6px 10px 6px 0; line-height: 1.3; }
 .compare tr:has(+ .more) > * { border-bottom: 0; }
@@ -56,7 +57,6 @@ h1 { overflow-wrap: anywhere; } h1 b { color: var(--c); font-weight: 650; }
 .compare th[scope=row], .compare thead td { position: sticky; left: 0; background: var(--paper); font-weight: 400; white-space: normal; }
 .compare thead th { color: var(--ink); font-weight: 600; vertical-align: bottom; white-space: nowrap; }
 .compare thead .dot { width: 9px; height: 9px; margin-right: 6px; }
-.compare caption, .sources caption { white-space: normal; max-width: 100ch; }
 small { display: block; color: var(--soft); font-size: 12px; font-weight: 400; }
 .group th, .group td { padding-top: 20px; color: var(--soft); font-size: 13px; letter-spacing: .03em; }
 .group th { position: sticky; left: 0; }
@@ -71,10 +71,10 @@ pre { overflow-x: auto; background: var(--panel); border: 1px solid var(--rule);
   .hero { grid-template-columns: minmax(0, 1fr); }
   .hero .plot { font-size: 20px; } .hero .conflict { font-size: 18px; }
   .read { grid-template-columns: minmax(0, 1fr); gap: 2px; } .read dd { margin-bottom: 12px; }
-  .compare { min-width: 850px; } .compare thead td { width: 124px; }
+  .wide:last-child .compare { min-width: 930px; } .compare thead td { width: 120px; } .compare thead th { font-size: 13px; }
 }
 @media print {
-  .wide { overflow: visible; } table { font-size: 9pt; } small { font-size: 7pt; }
+  .wide { overflow: visible; } .wide:last-child .compare { min-width: 0; } table { font-size: 9pt; } small { font-size: 7pt; }
   .compare th, .compare td { padding: 3px 8px 3px 0; position: static !important; white-space: normal; }
   .smalls { grid-template-columns: repeat(2, minmax(0, 1fr)); gap: 16px 28px; }
   .smalls figure, .hero > *, .read > * { break-inside: avoid; }

@@ -15,8 +15,7 @@ namespace intaglio::evaluate {
 // CSS class: "flat", "papers", "ours" or "meshes".
 const char* family_of(const Candidate& candidate);
 
-// The representation that is recommended; the first one where the recommended one was not measured. There must
-// be one.
+// The representation that is recommended; the first one if that was not measured. There must be one.
 const RepresentationResult& chosen(const Evaluation& evaluation);
 
 // Mean x of each representation with its interval, and the threshold.
@@ -28,7 +27,7 @@ report::Range busiest_part(const Traces& traces, double seconds);
 struct TracePlotSize {
   double width = 560, lane = 92;  // drawing units; below 400 wide lanes have short names
 };
-// What each sense delivers of the representation's example over the reference, one lane a sense; vertical
+// The output of each sense in the representation's example over the reference, one lane a sense; vertical
 // lines where features are crossed, and in each lane where the sense delivers them.
 std::string trace_plot(const RepresentationResult& result, const Thresholds& thresholds,
                        const report::Range& seconds, const TracePlotSize& size = {});

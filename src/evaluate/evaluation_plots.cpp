@@ -30,10 +30,10 @@ void conflict_row(SvgPlot& plot, const Axis& x, const RepresentationResult& resu
   const std::string family = family_of(result.candidate);
   if (is_chosen) plot.rectangle(0, top - 4, conflict_width, row_height - 2, "chosen");
   plot.text(x.units().low, top + 14, result.candidate.title, is_chosen ? "label strong" : "label");
-  const std::string interval = std::isfinite(mean_x.interval.low)
-                                   ? fmt::format(" ({} – {})", format_number(mean_x.interval.low, 2),
-                                                 format_number(mean_x.interval.high, 2))
-                                   : "";
+  const std::string low = format_number(mean_x.interval.low, 2),
+                    high = format_number(mean_x.interval.high, 2);
+  const bool is_known = std::isfinite(mean_x.interval.low) && low != high;
+  const std::string interval = is_known ? fmt::format(" ({} – {})", low, high) : "";
   plot.text(conflict_width - 8, top + 14, format_number(value, 2) + interval,
             is_chosen ? "label strong" : "label", TextAnchor::end);
   plot.line(x(0), y, x(x.values().high), y, "track");
@@ -76,7 +76,7 @@ std::string conflict_plot(const Evaluation& evaluation) {
   for (const int tick : {0, 1, 2})
     plot.text(x(tick), bottom + 20, std::to_string(tick), "tick",
               tick == 0 ? TextAnchor::start : TextAnchor::middle);
-  plot.text(x(missed_jnd), bottom + 20, "3: not delivered", "tick", TextAnchor::end);
+  plot.text(x(missed_jnd), bottom + 20, "3: missed", "tick", TextAnchor::end);
   return plot.finish();
 }
 
@@ -116,7 +116,7 @@ LaneScale scale_about_mean(const std::vector<double>& series) {
   return scale;
 }
 
-// What is never negative, from the lower edge.
+// For series that are never negative: 0 is at the lower edge.
 LaneScale scale_from_zero(const std::vector<double>& series) {
   const double half = 0.55 * quantile(series, 0.998);
   return half > 1e-9 ? LaneScale{half, half} : LaneScale{1, 1};
@@ -175,7 +175,7 @@ Lane make_lane(const Traces& traces, Sense sense, const Axis& x, double middle, 
   const bool is_sound = sense == Sense::sound;
   const LaneScale reference =
       is_sound ? scale_from_zero(series.reference) : scale_about_mean(series.reference);
-  // What is heard has its own unit, all else the reference's.
+  // Sound has a unit of its own, all else has the reference's.
   const double level = mean(series.delivered);
   const LaneScale delivered = is_sound ? scale_from_zero(series.delivered)
                                        : LaneScale{std::isfinite(level) ? level : 0, reference.reach};
@@ -210,11 +210,12 @@ std::string trace_plot(const RepresentationResult& result, const Thresholds& thr
   std::vector<Sense> lanes;
   for (std::size_t s = 0; s < senses; ++s)
     if (traces.of[s] && !traces.of[s]->delivered.empty()) lanes.push_back(Sense(s));
+  if (lanes.empty()) return "<p class=\"note\">No crossing was recorded.</p>\n";
   constexpr double heading = 24, foot = 26;
   const double lane_height = size.lane + heading, bottom = lane_height * double(lanes.size()) + 6;
   SvgPlot plot(size.width, bottom + foot, "plot traces",
                fmt::format("One crossing, {}", result.candidate.title),
-               "What each sense delivers over the reference, and where features are crossed");
+               "The output of each sense over the reference, and where features are crossed");
   const Axis x(seconds, {0, size.width});
   for (const FeatureCrossed& feature : agreement.features)
     if (feature.time >= seconds.low && feature.time <= seconds.high)

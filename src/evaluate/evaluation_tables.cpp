@@ -36,12 +36,11 @@ Cell cell(const Measured& measured) {
   return cell(measured.value, is_known ? fmt::format("{} – {}", low, high) : "");
 }
 
-// As in the plot of conflict.
+// With two decimals, as in the plot of conflict.
 Cell x_cell(const Measured& x) {
-  Cell out = {x.value, format_number(x.value, 2), ""};
-  if (std::isfinite(x.interval.low))
-    out.small = fmt::format("{} – {}", format_number(x.interval.low, 2), format_number(x.interval.high, 2));
-  return out;
+  const std::string low = format_number(x.interval.low, 2), high = format_number(x.interval.high, 2);
+  const bool is_known = std::isfinite(x.interval.low) && low != high;
+  return {x.value, format_number(x.value, 2), is_known ? fmt::format("{} – {}", low, high) : ""};
 }
 
 Cell count_cell(std::size_t count) {
@@ -57,8 +56,7 @@ class ComparisonTable {
  public:
   ComparisonTable(const Evaluation& evaluation, std::string_view caption) : evaluation_(evaluation) {
     out_ = fmt::format(
-        "<div class=\"wide\" tabindex=\"0\">\n<table class=\"compare\">\n<caption>{}</caption>\n"
-        "<thead><tr><td></td>",
+        "<p class=\"note\">{}</p>\n<div class=\"wide\" tabindex=\"0\">\n<table class=\"compare\">\n<thead><tr><td></td>",
         caption);
     for (const RepresentationResult& result : evaluation.representations) {
       const std::string title = escape_html(result.candidate.title);
@@ -77,7 +75,7 @@ class ComparisonTable {
     is_open_ = true;
   }
 
-  // `unit` in small print below the heading. The least of the values is emphasised, and those that print alike.
+  // `unit` in small print below the heading. The least of the values, and what prints alike, is emphasised.
   void row(std::string_view heading, std::string_view unit, const CellOf& cell_of, Best best = Best::least) {
     const std::string small = unit.empty() ? "" : fmt::format("<small>{}</small>", unit);
     add(fmt::format("<tr><th scope=\"row\">{}{}</th>", heading, small), cell_of, best);
@@ -239,7 +237,7 @@ std::string agreement_table(const Evaluation& evaluation) {
       evaluation,
       "Differences between the senses of one representation. x = 1 is what people just notice; a feature that a "
       "sense misses counts 3. Each pair has two rows: as computed, and with what a screen of 60 Hz, a device and "
-      "a sound card add.");
+      "a sound card add. <b class=\"best\">Marked</b>: the least of a row.");
   table.group("Pen and ball");
   table.row("Mean x", "just noticeable differences", [](const auto& r) { return x_cell(r.mean_jnd()); });
   table.row("Features with x ≥ 1", "%", [](const auto& r) {
@@ -274,7 +272,7 @@ std::string cost_table(const Evaluation& evaluation) {
     table.row(heading, unit, [&](const RepresentationResult& result) {
       const double own = value(result), base = ours == all.end() ? 0 : value(*ours);
       const bool is_known = base > 0 && std::isfinite(own / base) && result.candidate.kind != Kind::relief;
-      return cell(own, is_known ? "×&#8239;" + figure_text(own / base) : "");
+      return cell(own, is_known ? "×&#8239;" + format_number(own / base, own < 10 * base ? 2 : 0) : "");
     });
   };
   table.group("At run time");

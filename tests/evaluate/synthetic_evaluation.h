@@ -1,5 +1,5 @@
-// An evaluation that nobody measured: invented values and traces of the right form, for tests of what is made of
-// one. Deterministic.
+// An evaluation that nobody measured: invented values and traces of the right form, for tests of pages and
+// files. Deterministic.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +12,7 @@
 
 namespace intaglio::tests {
 
-// What a representation does wrong here: delays in s of picture, touch or motion, and sound; a gain of 0 delivers
-// nothing.
+// Faults of a representation: delays (s) of picture, touch or motion, sound; a gain of 0 delivers nothing.
 struct Invented {
   double picture = 0, touch = 0, sound = 0;
   double picture_gain = 1, touch_gain = 1, error = 0.1;

@@ -1,5 +1,4 @@
-// What is made of an evaluation: JSON that its schema admits, and a page that is whole by itself. The evaluation is
-// synthetic.
+// An evaluation becomes JSON that its schema admits, and a page that is whole by itself; this one is invented.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -238,7 +237,7 @@ TEST_CASE("the page of an evaluation is whole by itself, whatever could be measu
   empty.representations.clear();
   check_page(evaluation_html(empty));
   CHECK(html.size() < 2'000'000);
-  // The recommendation comes first, then a plot of one crossing and one of all representations; then one of each.
+  // The recommendation comes first, then a plot of one crossing and one of all, later one of each.
   CHECK(html.find("Recommended for a synthetic texture: <b class=\"ours\">our relief</b>") <
         html.find("<svg"));
   CHECK(count(html, "<svg") == 2 + kinds);
