@@ -15,7 +15,7 @@ namespace {
 using report::escape_html;
 using report::format_number;
 
-constexpr double hero_seconds = 1, small_seconds = 0.6;
+constexpr double shown_seconds = 1;
 
 constexpr std::string_view evaluation_css = R"css(
 :root { --flat: #7d766e; --papers: #c26a00; --ours: #1769c2; --meshes: #2a8657; --alarm: #c22a1e; }
@@ -35,7 +35,7 @@ h1 { overflow-wrap: anywhere; } h1 b { color: var(--c); font-weight: 650; }
 .behind { fill: var(--paper); opacity: .86; }
 .truth { fill: none; stroke: var(--soft); stroke-width: 5; opacity: .32; stroke-linejoin: round; }
 .traces .curve { stroke-width: 1.7; }
-.late { stroke: var(--alarm); stroke-width: 4; }
+.late { stroke: var(--alarm); stroke-width: 4; opacity: .7; }
 .missed { stroke: var(--alarm); stroke-width: 1.8; }
 .calm { fill: var(--ink); opacity: .05; } rect.chosen { fill: var(--ours); opacity: .12; }
 .track { stroke: var(--grid); stroke-width: 1; }
@@ -69,7 +69,7 @@ pre { overflow-x: auto; background: var(--panel); border: 1px solid var(--rule);
 @media (max-width: 760px) {
   main { padding: 24px 16px 48px; } h1 { font-size: 27px; } .lead { font-size: 17px; } section { margin-top: 40px; }
   .hero { grid-template-columns: minmax(0, 1fr); }
-  .hero .plot { font-size: 20px; } .hero .conflict { font-size: 18px; }
+  .hero .plot { font-size: 20px; } .what { display: none; } .hero .conflict { font-size: 18px; }
   .read { grid-template-columns: minmax(0, 1fr); gap: 2px; } .read dd { margin-bottom: 12px; }
   .wide:last-child .compare { min-width: 930px; } .compare thead td { width: 120px; } .compare thead th { font-size: 13px; }
 }
@@ -127,6 +127,7 @@ std::string command(const EvaluateOptions& options) {
   if (subject.material) out += " --material " + quoted_for_shell(subject.material->name);
   if (options.seed != 1) out += fmt::format(" --seed {}", options.seed);
   if (options.quick) out += " --quick";
+  if (options.wanted_runs) out += fmt::format(" --runs {}", *options.wanted_runs);
   if (const std::string faults = scene::fault_text(options.faults); !faults.empty())
     out += " --fault " + quoted_for_shell(faults);
   if (thresholds_table(options.thresholds) != thresholds_table(builtin_thresholds()))
@@ -175,20 +176,10 @@ std::string hero(const Evaluation& evaluation, const report::Range& seconds) {
       format_number(whole, 1), conflict_plot(evaluation));
 }
 
-std::string small_traces(const Evaluation& evaluation, const report::Range& hero_part) {
-  const Traces& first = chosen(evaluation).example;
-  const double length = std::min(small_seconds, hero_part.size());
-  const report::Range part = {hero_part.low, std::min(hero_part.low + length, hero_part.high)};
-  std::string out = fmt::format(
-      "<p>The same {} s of the first stroke, {} mm of the path, in each representation.</p>\n<div class=\"smalls\">\n",
-      format_number(part.size(), 1),
-      format_number(
-          first.distance.empty()
-              ? 0
-              : 1000 * (first.distance[std::min(first.distance.size() - 1,
-                                                std::size_t((part.high - first.start) * first.rate))] -
-                        first.distance[std::size_t((part.low - first.start) * first.rate)]),
-          0));
+std::string small_traces(const Evaluation& evaluation, const report::Range& part) {
+  std::string out =
+      "<p>As above, with the same features; each family of representations has its colour.</p>\n<div "
+      "class=\"smalls\">\n";
   for (const RepresentationResult& result : evaluation.representations)
     out += fmt::format("<figure class=\"{}\"><h3><span class=\"dot\"></span>{}</h3>\n{}</figure>\n",
                        family_of(result.candidate), escape_html(result.candidate.title),
@@ -276,7 +267,7 @@ std::string evaluation_html(const Evaluation& evaluation) {
                                       std::string(report::report_css) + std::string(evaluation_css));
   if (evaluation.representations.empty())
     return out + "<h1>Nothing was measured</h1>\n" + std::string(report::page_end);
-  const report::Range part = busiest_part(chosen(evaluation).example, hero_seconds);
+  const report::Range part = busiest_part(chosen(evaluation).example, shown_seconds);
   out += heading(evaluation) + hero(evaluation, part);
   out += section("agreement", "Do the senses agree?", agreement_table(evaluation));
   out += section("truth", "Is each sense true?", truth_table(evaluation));

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 
 #include "evaluate/evaluation_page.h"
 #include "report/drawn_curve.h"
@@ -122,14 +121,16 @@ LaneScale scale_from_zero(const std::vector<double>& series) {
   return half > 1e-9 ? LaneScale{half, half} : LaneScale{1, 1};
 }
 
-std::string lane_name(Sense sense, bool is_short) {
-  constexpr std::array<std::pair<const char*, const char*>, senses> names = {
-      {{"seen", "slopes in the picture"},
-       {"felt", "how the force leans"},
-       {"moves", "acceleration"},
-       {"heard", "what excites the sound"}}};
-  const auto& [name, what] = names[std::size_t(sense)];
-  return is_short ? name : fmt::format("{}: {}", name, what);
+struct LaneName {
+  const char *name, *what;
+};
+
+LaneName lane_name(Sense sense) {
+  constexpr std::array<LaneName, senses> names = {{{"seen", "slopes in the picture"},
+                                                   {"felt", "how the force leans"},
+                                                   {"moves", "acceleration"},
+                                                   {"heard", "what excites the sound"}}};
+  return names[std::size_t(sense)];
 }
 
 std::string delay_text(const Agreement& agreement, Sense sense) {
@@ -225,7 +226,8 @@ std::string trace_plot(const RepresentationResult& result, const Thresholds& thr
     const double top = lane_height * double(k) + heading, half = 0.5 * size.lane - 8;
     const Lane lane = make_lane(traces, lanes[k], x, top + 0.5 * size.lane - 4, half);
     plot.rectangle(0, top - heading + 2, size.width, heading - 2, "behind");
-    plot.text(0, top - 8, lane_name(lanes[k], size.width < 400), "label");
+    plot.text(0, top - 8, lane_name(lanes[k]).name, "label");
+    if (size.width >= 400) plot.text(46, top - 8, lane_name(lanes[k]).what, "what");
     plot.text(size.width, top - 8, delay_text(agreement, lanes[k]), "label strong", TextAnchor::end);
     plot.curve(lane.y, lane.curve(lane.series.reference, lane.reference), "truth");
     plot.curve(lane.y, lane.curve(lane.series.delivered, lane.delivered), "curve " + family);

@@ -271,7 +271,8 @@ std::string cost_table(const Evaluation& evaluation) {
   const auto add = [&](std::string_view heading, std::string_view unit, const Value& value) {
     table.row(heading, unit, [&](const RepresentationResult& result) {
       const double own = value(result), base = ours == all.end() ? 0 : value(*ours);
-      const bool is_known = base > 0 && std::isfinite(own / base) && result.candidate.kind != Kind::relief;
+      const bool is_known =
+          base > 0 && own > 0 && std::isfinite(own / base) && result.candidate.kind != Kind::relief;
       return cell(own, is_known ? "×&#8239;" + format_number(own / base, own < 10 * base ? 2 : 0) : "");
     });
   };

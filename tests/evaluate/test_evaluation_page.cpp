@@ -1,4 +1,4 @@
-// An evaluation becomes JSON that its schema admits, and a page that is whole by itself; this one is invented.
+// An evaluation becomes JSON that its schema admits, and a page that is whole by itself. All is invented.
 #include <doctest/doctest.h>
 
 #include <algorithm>
