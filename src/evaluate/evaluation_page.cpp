@@ -66,7 +66,7 @@ small { display: block; color: var(--soft); font-size: 12px; font-weight: 400; }
 .read { display: grid; grid-template-columns: minmax(0, 12rem) minmax(0, 1fr); gap: 8px 28px; margin: 0; max-width: 112ch; }
 .read dt { font-weight: 600; } .read dd { margin: 0; }
 pre { overflow-x: auto; background: var(--panel); border: 1px solid var(--rule); border-radius: 6px; padding: 12px 16px; margin: 0; }
-@media (max-width: 760px) {
+@media screen and (max-width: 760px) {
   main { padding: 24px 16px 48px; } h1 { font-size: 27px; } .lead { font-size: 17px; } section { margin-top: 40px; }
   .hero { grid-template-columns: minmax(0, 1fr); }
   .hero .plot { font-size: 20px; } .what { display: none; } .hero .conflict { font-size: 18px; }
@@ -78,6 +78,8 @@ pre { overflow-x: auto; background: var(--panel); border: 1px solid var(--rule);
   .compare th, .compare td { padding: 3px 8px 3px 0; position: static !important; white-space: normal; }
   .smalls { grid-template-columns: repeat(2, minmax(0, 1fr)); gap: 16px 28px; }
   .smalls figure, .hero > *, .read > * { break-inside: avoid; }
+  .compare thead th { white-space: normal; font-size: 7.5pt; } .compare thead .dot { display: block; margin: 0 0 2px auto; }
+  section { margin-top: 28px; } section > .note { break-after: avoid; } .hero { gap: 16px 24px; }
   pre { white-space: pre-wrap; }
 }
 )css";

@@ -316,4 +316,3 @@ TEST_CASE("the part of a crossing that is shown holds as many features as any ot
   CHECK(whole.low == 2);
   CHECK(whole.high == doctest::Approx(6));
 }
-
