@@ -19,6 +19,7 @@
 #include "core/progress.h"
 #include "core/text.h"
 #include "evaluate/evaluation.h"
+#include "report/html.h"
 
 namespace intaglio::app {
 
@@ -62,12 +63,14 @@ Result<evaluate::EvaluateOptions> evaluate_options(const EvaluateArguments& argu
 void print_table(const evaluate::Evaluation& evaluation) {
   fmt::print("{:28} {:>7} {:>13} {:>7} {:>8} {:>7} {:>9} {:>9} {:>9}\n", "", "mean x", "95 %", "score",
              "ms p95", "missed", "place mm", "force N", "sound dB");
+  const auto number = [](double value, int decimals) { return report::format_number(value, decimals); };
   for (const auto& r : evaluation.representations) {
     const evaluate::Measured x = r.mean_jnd();
-    fmt::print("{:28} {:7.2f} {:6.2f}..{:5.2f} {:6.0f}% {:8.1f} {:7} {:9.2f} {:9.3f} {:9.1f}\n",
-               r.candidate.title, x.value, x.interval.low, x.interval.high, 100 * r.score().value,
-               r.percentile_ms(0.95), r.missed(), r.motion.place_mm.value, r.touch.force_n.value,
-               r.sound.spectrum_db.value);
+    fmt::print("{:28} {:>7} {:>6}..{:>5} {:>6}% {:>8} {:>7} {:>9} {:>9} {:>9}\n", r.candidate.title,
+               number(x.value, 2), number(x.interval.low, 2), number(x.interval.high, 2),
+               number(100 * r.score().value, 0), number(r.percentile_ms(0.95), 1), r.missed(),
+               number(r.motion.place_mm.value, 2), number(r.touch.force_n.value, 3),
+               number(r.sound.spectrum_db.value, 1));
   }
   const auto& choice = evaluation.recommendation;
   fmt::print("recommended: {}\n", evaluate::candidates()[std::size_t(choice.kind)].title);
@@ -251,10 +254,8 @@ void add_evaluate(CLI::App& app, Common& common) {
   CLI::App* verb = app.add_subcommand(
       "evaluate", "Measure how well what is seen, felt and heard of a texture agrees, and what it costs");
   auto options = std::make_shared<EvaluateArguments>();
-  verb->add_option(
-          "TEXTURE", options->texture,
-          "An image, a folder of images, a built-in name (brick; docs/materials.md) or a recipe (.toml)")
-      ->required();
+  verb->add_option("TEXTURE", options->textures,
+                   "Images, folders of images, built-in names (brick; docs/materials.md) or recipes (.toml)");
   verb->add_option("--size", options->size, "Side of the surface, m  [1]")->check(CLI::Range(0.05, 20.0));
   verb->add_option("--depth", options->depth, "Depth of the relief, m; default: as the texture implies")
       ->check(CLI::Range(0.0, 1.0));

@@ -120,7 +120,8 @@ TEST_CASE("An excitation far from any feature is a false alarm") {
   CHECK(measure_agreement(traces, builtin_thresholds()).false_alarms >= 10);
 }
 
-TEST_CASE("Faults of recorded senses raise the conflict of a built-in material") {
+TEST_CASE("Faults of recorded senses raise the conflict of a built-in material" *
+          doctest::test_suite("statistics")) {
   // All sixteen materials by command (INTAGLIO_SLOW=1); here one, 16 cases. 10 s, because the real senses are
   // recorded first.
   const bool all = std::getenv("INTAGLIO_SLOW") != nullptr;
