@@ -44,7 +44,7 @@ refused 1 "sond" brick --fault sond-delay=60ms
 refused 2 "--runs" brick --runs 0
 refused 1 "no/such" --all "$work/no/such" -o "$work/out"
 
-# What is done is kept; a stranger's file is named.
+# Results that exist are kept; a stranger's file is named.
 mkdir "$work/out"
 cp "$work/true.json" "$work/out/brick.json"
 run brick -o "$work/out" || fault "a batch that is done failed: $(cat "$work/stderr")"
