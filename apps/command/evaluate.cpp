@@ -138,20 +138,20 @@ constexpr std::string_view summary_head =
     "mean_x_mesh_256,mean_x_mesh_512\n";
 
 Result<std::string> summary_line(const BatchItem& item) {
+  // Trusted: a result of this command in the user's own folder; any other JSON is refused.
   const auto text = read_text(item.json, std::uintmax_t{1} << 26);
   if (!text) return tl::unexpected(text.error());
   const auto json = nlohmann::json::parse(*text, nullptr, false);
-  const auto not_ours = [&] {
-    return fail(item.json.string(), "is no result of evaluate", "remove it, or measure everything --again");
+  const auto at = [&](const std::string& path) {
+    const nlohmann::json::json_pointer pointer(path);
+    return json.is_object() && json.contains(pointer) ? json.at(pointer) : nlohmann::json();
   };
-  if (!json.is_object() || !json.contains("recommendation") || !json.contains("representations"))
-    return not_ours();
-  const auto choice = json["recommendation"].value("representation", std::string());
-  std::string line = fmt::format("\"{}\",{}", item.texture, choice);
+  const nlohmann::json choice = at("/recommendation/representation");
+  if (!choice.is_string())
+    return fail(item.json.string(), "is no result of evaluate", "remove it, or measure everything --again");
+  std::string line = fmt::format("\"{}\",{}", item.texture, choice.get<std::string>());
   for (const evaluate::Candidate& candidate : evaluate::candidates()) {
-    const nlohmann::json mean = json.value(
-        nlohmann::json::json_pointer(fmt::format("/representations/{}/agreement/jnd/mean", candidate.key)),
-        nlohmann::json());
+    const nlohmann::json mean = at(fmt::format("/representations/{}/agreement/jnd/mean", candidate.key));
     line += mean.is_number() ? fmt::format(",{:.4g}", mean.get<double>()) : ",";
   }
   return line + "\n";
