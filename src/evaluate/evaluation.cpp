@@ -432,18 +432,19 @@ std::size_t RepresentationResult::features() const {
   return pen.all.features.size() + ball.all.features.size();
 }
 
-double RepresentationResult::displayed_ms() const {
-  // A screen of 60 Hz shows a frame half a period later on average, and the middle of its picture another
-  // half; a sound card holds two blocks of 256 samples; a device answers within a tick.
+double displayed_late(Sense sense) {
   constexpr std::array<double, senses> late = {1.0 / 60, 0.001, 1.0 / 60, 512.0 / 44100};
+  return late[std::size_t(sense)];
+}
+
+double RepresentationResult::displayed_ms() const {
   std::vector<double> all;
   for (const ProbeAgreement* probe : {&pen, &ball})
     for (const FeatureCrossed& feature : probe->all.features)
       for (const PairAgreement& pair : probe->all.pairs) {
         const auto a = feature.delay[std::size_t(pair.first)], b = feature.delay[std::size_t(pair.second)];
         if (a && b)
-          all.push_back(1000 *
-                        std::abs(*a + late[std::size_t(pair.first)] - *b - late[std::size_t(pair.second)]));
+          all.push_back(1000 * std::abs(*a + displayed_late(pair.first) - *b - displayed_late(pair.second)));
       }
   return quantile(all, 0.95);
 }

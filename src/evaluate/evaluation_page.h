@@ -32,10 +32,6 @@ struct TracePlotSize {
 std::string trace_plot(const RepresentationResult& result, const Thresholds& thresholds,
                        const report::Range& seconds, const TracePlotSize& size = {});
 
-// Seconds by which what a sense delivers is presented later on a screen of 60 Hz, by a device and by a sound
-// card, as RepresentationResult::displayed_ms() assumes.
-double displayed_late(Sense sense);
-
 std::string truth_table(const Evaluation& evaluation);
 std::string agreement_table(const Evaluation& evaluation);
 std::string cost_table(const Evaluation& evaluation);

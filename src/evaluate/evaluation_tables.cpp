@@ -182,19 +182,6 @@ void add_probe(ComparisonTable& table, const Evaluation& evaluation,
 
 }  // namespace
 
-double displayed_late(Sense sense) {
-  switch (sense) {
-    case Sense::picture:
-    case Sense::motion:
-      return 1.0 / 60;
-    case Sense::touch:
-      return 0.001;
-    case Sense::sound:
-      return 512.0 / 44100;
-  }
-  return 0;
-}
-
 std::string truth_table(const Evaluation& evaluation) {
   ComparisonTable table(
       evaluation,
