@@ -254,7 +254,8 @@ Result<RepresentationResult> Evaluator::evaluate_one(const Candidate& candidate)
   const EvaluateOptions& options = out_.options;
   RepresentationResult result;
   result.candidate = candidate;
-  auto sight = Sight::look(*subject_, candidate, options.quick ? 768 : 1536);
+  auto sight =
+      Sight::look(*subject_, candidate, options.quick ? 768 : 1536, &pictures_->drawn(*subject_, candidate));
   if (!sight) return tl::unexpected(sight.error());
   auto picture = measure_picture(*subject_, candidate, *sight, *pictures_);
   if (!picture) return tl::unexpected(picture.error());

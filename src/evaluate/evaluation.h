@@ -119,8 +119,8 @@ struct Evaluation {
 
 Result<Evaluation> evaluate(const EvaluateOptions& options);
 
-// Seconds by which a sense is presented later than it is computed, as "as displayed" assumes: a screen of 60 Hz
-// shows a frame half a period later on average, and the middle of its picture another half; a sound card
+// Seconds by which a sense is presented later than it is computed, as "as displayed" assumes: a screen of 60
+// Hz shows a frame half a period later on average, and the middle of its picture another half; a sound card
 // holds two blocks of 256 samples; a device answers within a tick.
 double displayed_late(Sense sense);
 

@@ -143,8 +143,8 @@ double meet_top(const Reference& reference, const LocalRay& ray) {
   const double across = d.head<2>().norm() / reference.spacing().minCoeff();
   const double down = std::abs(d.z()) / (high.z() - low.z());
   const double stride = 1 / std::max(2 * across, 64 * down);
-  for (double over = from; over < to; over += stride) {
-    double under = std::min(over + stride, to);
+  for (double over = from, under; over < to; over = under) {
+    under = std::min(over + stride, to);
     if (above(under) > 0) continue;
     for (int step = 0; step < 40; ++step) {
       const double middle = 0.5 * (over + under);
@@ -164,15 +164,26 @@ std::vector<double> reference_depths(const Reference& reference, const surface::
   const double aspect = double(grid.width) / grid.height;
   const int s = grid.supersample;
   const double right = (s / 2 + 0.5) / s, below = 1 - right;  // of the sample, in its pixel
+  const Vec3 eye = placement.to_local(camera.eye);
+  const auto depth_at = [&](double x, double y) {
+    const Vec3 direction = -basis.back + (2 * x / grid.width - 1) * half * aspect * basis.right +
+                           (1 - 2 * y / grid.height) * half * basis.up;
+    return meet_top(reference, {eye, placement.direction_to_local(direction)});
+  };
+  const double jump = 0.1 * reference.depth() + 1e-3 * reference.size().maxCoeff();
+  const double reach = 0.5 / s;
   std::vector<double> depths;
   for (int row = 0; row < grid.rows(); ++row) {
     for (int column = 0; column < grid.columns(); ++column) {
       const double x = column * grid.stride + grid.stride / 2 + right;
       const double y = row * grid.stride + grid.stride / 2 + below;
-      const Vec3 direction = -basis.back + (2 * x / grid.width - 1) * half * aspect * basis.right +
-                             (1 - 2 * y / grid.height) * half * basis.up;
-      depths.push_back(
-          meet_top(reference, {placement.to_local(camera.eye), placement.direction_to_local(direction)}));
+      double depth = depth_at(x, y);
+      for (const double across : {-reach, reach}) {
+        if (!std::isfinite(depth)) break;
+        const double bend = depth_at(x + across, y + reach) + depth_at(x - across, y - reach) - 2 * depth;
+        if (!(std::abs(bend) < jump)) depth = std::numeric_limits<double>::infinity();
+      }
+      depths.push_back(depth);
     }
   }
   return depths;
@@ -243,24 +254,25 @@ Result<PictureTruth> PictureReference::compare(std::span<const Picture> pictures
 }
 
 double normal_angle(const Reference& reference, const Sight& sight) {
-  constexpr int points = 64, samples = 4;  // a side; of each square
+  constexpr int points = 4096, samples = 4;  // samples a side of each square
   const Vec2 square = reference.size() * (2.0 / surface::default_texture_size);
   double sum = 0;
-  for (int j = 0; j < points; ++j) {
-    for (int i = 0; i < points; ++i) {
-      const Vec2 corner = Vec2(i + 0.5, j + 0.5).cwiseProduct(reference.size()) / points - 0.5 * square;
-      Vec2 seen = Vec2::Zero(), there = Vec2::Zero();
-      for (int k = 0; k < samples * samples; ++k) {
-        const Vec2 p = corner + Vec2(k % samples + 0.5, k / samples + 0.5).cwiseProduct(square) / samples;
-        seen += sight.slope({p.x(), p.y(), reference.height(p)});
-        there += reference.slope(p).cwiseMax(-Sight::steepest).cwiseMin(Sight::steepest);
-      }
-      const double mean = 1.0 / (samples * samples);
-      const Vec3 a(-mean * seen.x(), -mean * seen.y(), 1), b(-mean * there.x(), -mean * there.y(), 1);
-      sum += elementary::atan2(a.cross(b).norm(), a.dot(b)) / radians;
+  for (int i = 0; i < points; ++i) {
+    // Roberts's sequence, even but without a period: a grid of points would miss the joints of a grid of
+    // tiles. Its steps are 1 / g and 1 / g^2 with g^3 = g + 1.
+    const Vec2 uv(std::fmod(0.5 + i * 0.7548776662466927, 1.0), std::fmod(0.5 + i * 0.5698402909980532, 1.0));
+    const Vec2 corner = uv.cwiseProduct(reference.size()) - 0.5 * square;
+    Vec2 seen = Vec2::Zero(), there = Vec2::Zero();
+    for (int k = 0; k < samples * samples; ++k) {
+      const Vec2 p = corner + Vec2(k % samples + 0.5, k / samples + 0.5).cwiseProduct(square) / samples;
+      seen += sight.slope({p.x(), p.y(), reference.height(p)});
+      there += reference.slope(p).cwiseMax(-Sight::steepest).cwiseMin(Sight::steepest);
     }
+    const double mean = 1.0 / (samples * samples);
+    const Vec3 a(-mean * seen.x(), -mean * seen.y(), 1), b(-mean * there.x(), -mean * there.y(), 1);
+    sum += elementary::atan2(a.cross(b).norm(), a.dot(b)) / radians;
   }
-  return sum / (points * points);
+  return sum / points;
 }
 
 Result<PictureTruth> measure_picture(const Subject& subject, const Candidate& candidate, const Sight& sight,
@@ -277,7 +289,8 @@ Result<PictureTruth> measure_picture(const Subject& subject, const Candidate& ca
                                                        .displaced_mesh_cells = candidate.mesh_cells}}};
     if (auto shown = (*renderer)->show(part); !shown) return tl::unexpected(shown.error());
   }
-  auto truth = reference.compare(draw_views(**renderer, subject, candidate, reference.views()));
+  const auto pictures = draw_views(**renderer, subject, candidate, reference.views());
+  auto truth = reference.compare(pictures);
   if (!truth) return truth;
   truth->normal_angle = normal_angle(subject.reference(), sight);
   truth->device_bytes = bytes.textures + bytes.meshes;

@@ -1,4 +1,5 @@
-// The truth of pictures: closed forms of depth and normals, what is equal to itself, and the order of methods.
+// The truth of pictures: closed forms of depth and normals, what is equal to itself, and the order of
+// methods.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -54,7 +55,8 @@ Candidate kind(Kind which) {
 
 PictureTruth measured(const Brick& brick, Kind which) {
   const Candidate candidate = kind(which);
-  const auto sight = Sight::look(brick.subject, candidate, 256, &brick.reference.drawn(brick.subject, candidate));
+  const auto sight =
+      Sight::look(brick.subject, candidate, 256, &brick.reference.drawn(brick.subject, candidate));
   REQUIRE_MESSAGE(sight, sight.error().message());
   const auto truth = measure_picture(brick.subject, candidate, *sight, brick.reference);
   REQUIRE_MESSAGE(truth, truth.error().message());
@@ -84,17 +86,16 @@ TEST_CASE("depths of a flat reference are those of the plane, where its rectangl
           const double off = supersample % 2 == 1 ? 0 : 0.5 / supersample;
           const double x = double(grid.pixel(column, row) % 120) + 0.5 + off;
           const double y = double(grid.pixel(column, row) / 120) + 0.5 - off;
-          const Vec3 ray = -basis.back + (x / 60 - 1) * half * 120 / 70 * basis.right +
-                           (1 - y / 35) * half * basis.up;
+          const Vec3 ray =
+              -basis.back + (x / 60 - 1) * half * 120 / 70 * basis.right + (1 - y / 35) * half * basis.up;
           const double t = (level - camera.eye.y()) / ray.y();
           const Vec3 hit = camera.eye + t * ray;
           const double depth = depths[std::size_t(row * grid.columns() + column)];
-          if (t > 0 && std::abs(hit.x()) < 0.5 && std::abs(hit.z()) < 0.5) {
-            CHECK(depth == doctest::Approx(t).epsilon(1e-9));
-            ++hits;
-          } else {
-            CHECK_FALSE(std::isfinite(depth));
-          }
+          const double out = t > 0 ? std::max(std::abs(hit.x()), std::abs(hit.z())) : 1;
+          if (out > 0.5) CHECK_FALSE(std::isfinite(depth));
+          if (out > 0.45) continue;  // the rim is an edge
+          CHECK(depth == doctest::Approx(t).epsilon(1e-7));
+          ++hits;
         }
       }
       CHECK(hits > 20);
@@ -111,7 +112,7 @@ TEST_CASE("a picture compared with itself differs in nothing") {
   CHECK(same->silhouette == 0);
   // Rasterised against brute force: the mesh's interpolation, and edges that one of the two sees past.
   MESSAGE("rasterised against brute force: " << same->depth_mm << " mm");
-  CHECK(same->depth_mm < 1);
+  CHECK(same->depth_mm < 0.2);
 }
 
 TEST_CASE("a flat floor's normals are off by the mean angle of the reference's") {
@@ -120,24 +121,27 @@ TEST_CASE("a flat floor's normals are off by the mean angle of the reference's")
   const Reference& reference = made->subject.reference();
   const auto sight = Sight::look(made->subject, kind(Kind::flat), 256);
   REQUIRE(sight);
+  constexpr int points = 301;
+  const double width = 2.0 / 512, steepest = std::sqrt(3.0);
   double sum = 0;
-  const double square_side = 2.0 / 512;
-  for (int j = 0; j < 64; ++j) {
-    for (int i = 0; i < 64; ++i) {
+  for (int j = 0; j < points; ++j) {
+    for (int i = 0; i < points; ++i) {
       Vec2 mean = Vec2::Zero();
       for (int k = 0; k < 16; ++k) {
-        const Vec2 p = Vec2(i + 0.5, j + 0.5) / 64 + square_side * (Vec2(k % 4 + 0.5, k / 4 + 0.5) / 4 - Vec2(0.5, 0.5));
-        mean += reference.slope(p).cwiseMax(-std::sqrt(3.0)).cwiseMin(std::sqrt(3.0)) / 16;
+        const Vec2 in_square = Vec2(k % 4 - 1.5, k / 4 - 1.5) * width / 4;
+        const Vec2 slope = reference.slope(Vec2(i + 0.5, j + 0.5) / points + in_square);
+        mean += slope.cwiseMax(-steepest).cwiseMin(steepest) / 16;
       }
       sum += std::atan(mean.norm());
     }
   }
-  const double expected = sum / (64 * 64) * 180 / std::numbers::pi;
+  const double expected = sum / (points * points) * 180 / std::numbers::pi;
   CHECK(expected > 5);
   CHECK(normal_angle(reference, *sight) == doctest::Approx(expected).epsilon(0.02));
 }
 
-TEST_CASE("our relief is nearer to the truth than the paper's march, both than a normal map, a fine mesh than a coarse") {
+TEST_CASE(
+    "our relief is nearer to the truth than the paper's march, both than a normal map, a fine mesh than a coarse") {
   const Brick* made = brick();
   if (!made) return;
   const PictureTruth flat = measured(*made, Kind::flat), normal = measured(*made, Kind::normal),
