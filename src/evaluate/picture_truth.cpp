@@ -289,8 +289,7 @@ Result<PictureTruth> measure_picture(const Subject& subject, const Candidate& ca
                                                        .displaced_mesh_cells = candidate.mesh_cells}}};
     if (auto shown = (*renderer)->show(part); !shown) return tl::unexpected(shown.error());
   }
-  const auto pictures = draw_views(**renderer, subject, candidate, reference.views());
-  auto truth = reference.compare(pictures);
+  auto truth = reference.compare(draw_views(**renderer, subject, candidate, reference.views()));
   if (!truth) return truth;
   truth->normal_angle = normal_angle(subject.reference(), sight);
   truth->device_bytes = bytes.textures + bytes.meshes;
