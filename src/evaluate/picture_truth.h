@@ -11,11 +11,12 @@
 // march; its cells are smaller than the samples of pictures up to 480 pixels.
 //
 // A mesh is drawn with the reference's heights and normals at its vertices, and with the shadows of the whole
-// reference, as from a perfect shadow map: its FLIP is the least that a mesh can have. The others are drawn
-// from their texture of 512 texels, shadows as well.
+// reference, as from a perfect shadow map, which favours its FLIP: brick's mesh of 512 cells has 0.02 so, and
+// 0.08 when the texture gives heights, normals and shadows. The others are drawn from their texture of 512
+// texels, shadows as well.
 //
-// Needs EGL. One thread at a time. On llvmpipe a PictureReference takes 1.5 CPU seconds and a representation
-// 0.3 to 0.9, at 480 pixels as at 256: most of it is uploads and shaders.
+// Needs EGL. One thread at a time. On llvmpipe a PictureReference takes 1.3 to 1.6 CPU seconds, a
+// representation 0.3 to 1 at 480 pixels and 0.2 to 0.5 at 256, without its Sight.
 #pragma once
 
 #include <memory>
