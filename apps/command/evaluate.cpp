@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -9,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <tuple>
 #include <vector>
@@ -105,12 +108,22 @@ int evaluate_one(const EvaluateArguments& arguments, const Common& common) {
 
 // --- Several textures ---
 
-// Images and folders of images in a folder, sorted: each is a texture.
+// Folders, images and recipes in a folder, sorted: each is a texture. Other files are not.
+bool is_texture(const std::filesystem::directory_entry& entry) {
+  constexpr std::array<std::string_view, 6> extensions = {".png", ".jpg", ".jpeg", ".tga", ".exr", ".toml"};
+  if (entry.is_directory()) return true;
+  std::string extension = entry.path().extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return char(std::tolower(c)); });
+  return entry.is_regular_file() &&
+         std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
+}
+
 Result<std::vector<std::string>> textures_in(const std::string& folder) {
   std::error_code error;
   std::vector<std::string> found;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error))
-    if (entry.is_directory() || entry.is_regular_file()) found.push_back(entry.path().string());
+    if (is_texture(entry)) found.push_back(entry.path().string());
   if (error) return fail(folder, error.message(), "give a folder of images, or of folders of images");
   std::sort(found.begin(), found.end());
   if (found.empty())
