@@ -186,7 +186,9 @@ TEST_CASE("the JSON of an evaluation is as its schema says") {
     };
     const json flat = value.flatten();
     std::size_t tried = 0;
-    for (const auto& [pointer, leaf] : flat.items()) {
+    for (const auto& item : flat.items()) {
+      const std::string& pointer = item.key();
+      const json& leaf = item.value();
       json other = value;
       other[json::json_pointer(pointer)] = json::object();
       CHECK_MESSAGE((is_refused(other) || leaf.is_array()), pointer);

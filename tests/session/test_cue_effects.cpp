@@ -181,9 +181,9 @@ TEST_CASE("cues: each changes its own streams and no other") {
                                                                     {"ball_motion=off", "BCOS"},
                                                                     {"ball_motion-shift=10mm", "BCOS"},
                                                                     {"ball_motion=pebbles", "BCOS"}};
-  for (const auto& [fault, changed] : effects) {
-    CAPTURE(fault);
-    CHECK(changed_streams(played(both, fault)) == changed);
+  for (const auto& effect : effects) {
+    CAPTURE(effect.first);
+    CHECK(changed_streams(played(both, effect.first)) == effect.second);
   }
 }
 
