@@ -204,7 +204,8 @@ struct Document {
   }
 
   Result<std::vector<std::uint8_t>> load(const std::string& uri, std::size_t limit) const {
-    require(!uri.empty() && uri.front() != '/' && uri.find("..") == std::string::npos &&
+    // No part is the folder above; a name such as "a..b" is one.
+    require(!uri.empty() && uri.front() != '/' && ("/" + uri + "/").find("/../") == std::string::npos &&
             uri.find_first_of(":\\") == std::string::npos && limit <= max_mesh_file_bytes);
     if (uri != "b/c d.bin") return fail(uri, "no such file");
     return sides[loads++ % sides.size()].bytes;
