@@ -8,7 +8,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cassert>
+#include <csignal>
 #include <mutex>
+#include <numeric>
 #include <vector>
 
 #include "core/portable_math.h"
@@ -64,7 +66,16 @@ std::vector<MUMPS_INT> elimination_order(const SparseMatrix& node_matrix) {
   idx_t options[METIS_NOPTIONS];
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_SEED] = 1;
-  METIS_NodeND(&nodes, start.data(), neighbours.data(), nullptr, options, order.data(), place.data());
+  // While METIS runs, SIGTERM is its own (GKlib raises it for errors): one that is sent to the process then
+  // ends METIS instead, without an order. It is passed on to the handler that METIS has put back.
+  constexpr int attempts = 3;
+  int status = METIS_ERROR;
+  for (int k = 0; k < attempts && status == METIS_ERROR; ++k) {
+    status =
+        METIS_NodeND(&nodes, start.data(), neighbours.data(), nullptr, options, order.data(), place.data());
+    if (status == METIS_ERROR) std::raise(SIGTERM);
+  }
+  if (status != METIS_OK) std::iota(place.begin(), place.end(), idx_t{0});  // slow, but an order
   std::vector<MUMPS_INT> result;
   for (const idx_t p : place) {
     for (int axis = 0; axis < 3; ++axis) result.push_back(MUMPS_INT(3 * p + axis + 1));
