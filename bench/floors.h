@@ -183,8 +183,8 @@ inline void put(btRigidBody& body, const Vec3& at, const Vec3& velocity, const V
   body.clearForces();
 }
 
-// Where a body that reaches `clearance` metres around its centre starts above (x, z), a millimetre clear
-// of the floor: of its plane, if it has no relief.
+// Where a body that reaches `clearance` metres around its centre starts above (x, z), a millimetre
+// above the relief, or above the plane of a floor without one.
 inline Vec3 start_over(const Floor& floor, double x, double z, double clearance) {
   Vec3 at(x, 0.2, z);
   for (int n = 0; n < 30; ++n) {

@@ -32,7 +32,7 @@ namespace {
 
 struct Level {
   std::string family;
-  double share = 0;        // of the full mesh's triangles, as wanted; of a texture, of its texels
+  double share = 0;        // wanted size over the full one, in triangles or texels
   std::size_t pieces = 0;  // triangles or texels
   double bytes = 0;
   LodError error;

@@ -2,7 +2,7 @@
 //
 // The cost of each sense against the size of the texture (256 to 4096 texels a side, with --large 8192),
 // the number of bodies (1 to 5000), of modes (100 to 100,000), the servo rate (1 to 8 kHz) and the number
-// of surfaces (1 to 64): thread-CPU time (of pictures the process's), medians of interleaved rounds.
+// of surfaces (1 to 64). Medians of interleaved rounds, in thread-CPU time; pictures in the process's.
 // `exponent` is that of the power law fitted by least squares of the logarithms, with its standard error;
 // `last` that between the last two sizes, which says where a constant part has become small. `real time
 // until` is the size at which the cost meets the limit, between two that were measured; nothing is

@@ -142,7 +142,7 @@ std::string result_name(const std::string& texture) {
 struct BatchItem {
   std::string texture;
   std::filesystem::path json, html;
-  std::string line;  // of the summary; empty before it is done
+  std::string line;  // its row in summary.csv; empty until it is measured
   std::optional<Error> error;
 };
 

@@ -319,7 +319,7 @@ bool Stage::take_loaded(std::string& message) {
     loaded->session->continue_counters(*session_);
   }
   if (session_ && loaded->request.keeps_bodies) loaded->session->follow(*session_);
-  const std::string told = session_ ? scene::cue_note(session_->scene().cues) : "";
+  const std::string shown_before = session_ ? scene::cue_note(session_->scene().cues) : "";
   const bool is_other = !session_ || !loaded->request.keeps_bodies;
   scene_ = requested_scene_;
   session_ = std::move(loaded->session);
@@ -332,7 +332,8 @@ bool Stage::take_loaded(std::string& message) {
   std::error_code ignored;
   if (std::filesystem::exists(scene_.surface.texture, ignored)) files.emplace_back(scene_.surface.texture);
   watch_.watch(std::move(files));
-  if (const std::string note = scene::cue_note(session_->scene().cues); message.empty() && note != told)
+  if (const std::string note = scene::cue_note(session_->scene().cues);
+      message.empty() && note != shown_before)
     message = note.empty() ? "cues: all true" : note;
   if (message.empty() && is_other && !session_->surface().notes.empty())
     message = session_->surface().notes.front();

@@ -59,10 +59,10 @@ struct Course {
   Floor floor;
   btSphereShape ball{btScalar(ball_radius)};
   FloorWorld world;
-  std::unique_ptr<render::Renderer> renderer;  // of a texture
+  std::unique_ptr<render::Renderer> renderer;  // draws a texture
   std::shared_ptr<const render::Mesh> drawn;
-  std::optional<surface::UvGrid> places;  // of a mesh, by texture coordinate
-  std::vector<Vec2> slopes;               // of its triangles
+  std::optional<surface::UvGrid> places;  // a mesh's triangles by texture coordinate
+  std::vector<Vec2> slopes;               // one a triangle of the mesh
   std::vector<double> picture_ms, contact_us, sound_ns;
 };
 

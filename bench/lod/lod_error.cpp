@@ -18,7 +18,7 @@ constexpr double border = 0.05;  // share of the side, left out of every compari
 // Bins of a stroke's spectrum: the finest wave of a texture is two texels, which are four samples of the
 // raster.
 constexpr int first_bin = 2, last_bin = stroke_samples / 4;
-constexpr double quietest = 1e-6;  // of the loudest band: 60 dB below it nothing is compared
+constexpr double quietest = 1e-6;  // bands 60 dB below the loudest one are not compared
 
 double height_at(const HeightRaster& r, double x, double y) {
   const double u = x / r.length * r.side - 0.5, v = y / r.length * r.side - 0.5;

@@ -49,7 +49,8 @@ class LodChain {
   int side_;
   LodMesh all_;
   std::vector<unsigned> indices_;
-  std::array<std::vector<float>, 4> metric_positions_;  // of each LodMetric but `grid`, three a vertex
+  std::array<std::vector<float>, 4>
+      metric_positions_;  // one list a LodMetric except `grid`; three values a vertex
 };
 
 // The same texture with `size` texels a side, a power of two below the full one's: means of blocks.

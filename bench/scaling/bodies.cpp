@@ -199,7 +199,7 @@ Result<SessionCost> session_cost(int balls, double seconds, const std::filesyste
 // The cost of a session follows its contacts, which do not follow its balls: some rest, others touch several
 // edges.
 Result<std::vector<Law>> session_laws(const std::vector<double>& balls, double seconds, int rounds) {
-  const tests::TemporaryFolder cache;  // of the modal models, which all rounds share
+  const tests::TemporaryFolder cache;  // all rounds share these modal models
   std::vector<double> contacts(balls.size());
   std::array<std::vector<std::vector<double>>, 4> all;
   for (auto& sense : all) sense.resize(balls.size());

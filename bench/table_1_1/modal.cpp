@@ -131,7 +131,7 @@ TriangleMesh tile(int texels) {
 ModalCost bake_mesh(const TriangleMesh& mesh) {
   ModalCost cost;
   cost.vertices = double(mesh.positions.size());
-  cost.unknowns = 3 * cost.vertices;  // of the method that makes every vertex one
+  cost.unknowns = 3 * cost.vertices;  // where every vertex is a node
   cost.mesh_bytes = surface_bytes(mesh.positions.size(), mesh.triangles.size());
   return measured(cost, [&]() -> Result<sound::ModalModel> {
     const auto model = bake(mesh, "ceramic", {.modes = modes, .element_size = mesh_element});

@@ -315,11 +315,6 @@ double correlation(const Traces::Series& series, std::int64_t from, std::int64_t
   return (ab - a * b / double(n)) / std::sqrt(vx * vy);
 }
 
-// The lag of the best correlation within `reach` of `around`, with the vertex of the parabola through it.
-struct Lag {
-  double values = 0, correlation = 0;
-};
-
 // Root mean square of a part about its mean.
 double variation(const Series& series, std::int64_t from, std::int64_t to) {
   double sum = 0, squares = 0;
@@ -332,6 +327,10 @@ double variation(const Series& series, std::int64_t from, std::int64_t to) {
   return n > 0 ? std::sqrt(std::max(0.0, squares / double(n) - sum * sum / double(n * n))) : 0;
 }
 
+// The lag of the best correlation within `reach` of `around`, with the vertex of the parabola through it.
+struct Lag {
+  double values = 0, correlation = 0;
+};
 Lag best_lag(const Traces::Series& series, std::int64_t from, std::int64_t to, std::int64_t around,
              std::int64_t reach) {
   // If two lags fit equally well, the nearer one is right.

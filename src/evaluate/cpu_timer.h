@@ -1,14 +1,12 @@
 // Adds the CPU time that the thread spends in a scope to a sum, in seconds.
 #pragma once
 
-#include <time.h>
+#include "session/cost_meter.h"
 
 namespace intaglio::evaluate {
 
-inline double cpu_seconds(clockid_t clock = CLOCK_THREAD_CPUTIME_ID) {
-  timespec t;
-  clock_gettime(clock, &t);
-  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+inline double cpu_seconds() {
+  return 1e-9 * double(session::thread_cpu_ns());
 }
 
 class CpuTimer {

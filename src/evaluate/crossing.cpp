@@ -113,10 +113,6 @@ void make_sound(const Subject& subject, const Candidate& candidate, const std::v
   out.sound_cost = (cpu_seconds() - start) / (double(out.sound.size()) / 64);
 }
 
-}  // namespace
-
-namespace {
-
 // The servo of a candidate's pen, and the link that makes its contacts.
 struct Pen {
   session::PenLink link;
@@ -221,7 +217,7 @@ Crossing reference_stroke(const Subject& subject, const StrokeOptions& options) 
   Crossing out{.probe = Probe::pen, .radius = subject.tip_radius, .rate = reference_rate};
   const surface::Placement& place = subject.surface(ours).surface->placement();
   TouchEvents events(subject.scene(ours).pen_id(), place, reference_rate);
-  Vec3 before = Vec3::Zero();
+  Vec3 before = place.to_world(local(hand.position()));
   // Its force holds from one step to the next, as a device's does.
   for (std::int64_t k = std::int64_t(plan.ramp * reference_rate);
        k < std::int64_t(plan.seconds() * reference_rate); ++k) {
@@ -231,7 +227,7 @@ Crossing reference_stroke(const Subject& subject, const StrokeOptions& options) 
     hand.advance(device(force), 1 / reference_rate);
     BodyState state;
     state.pose.position = place.to_world(tip.tip());
-    state.velocity = (state.pose.position - before) * (k > 0 ? reference_rate : 0);
+    state.velocity = (state.pose.position - before) * reference_rate;
     before = state.pose.position;
     std::vector<TouchPoint> touch;
     if (tip.touches()) {
@@ -256,11 +252,10 @@ namespace {
 // A world with one ball, whichever engine moves it.
 class BallWorld {
  public:
-  BallWorld(const Subject& subject, const Candidate& candidate, const scene::Scene& scene)
-      : radius_(subject.ball_radius()) {
+  BallWorld(const Subject& subject, const Candidate& candidate, const scene::Scene& scene) {
     const scene::SceneSurface& surface = subject.surface(candidate);
     if (candidate.mesh_cells > 0) {
-      mesh_.emplace(subject.mesh(candidate), surface.material, radius_, scene.balls[0].material,
+      mesh_.emplace(subject.mesh(candidate), surface.material, subject.ball_radius(), scene.balls[0].material,
                     scene.physics.rate);
     } else {
       world_.emplace(scene, surface, candidate.representation);
@@ -285,7 +280,6 @@ class BallWorld {
   }
 
  private:
-  double radius_;
   std::optional<MeshWorld> mesh_;
   std::optional<scene::SceneWorld> world_;
 };

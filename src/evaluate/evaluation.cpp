@@ -168,7 +168,7 @@ class Evaluator {
   Result<void> prepare();
   void run_reference();
   Result<RepresentationResult> evaluate_one(const Candidate& candidate);
-  void measure_cost(const Candidate& candidate, const Sight& sight, RepresentationResult& result) const;
+  void measure_cost(const Candidate& candidate, RepresentationResult& result) const;
   void measure_reference_error();
   void recommend();
   void report(double done, const std::string& what) {
@@ -308,11 +308,11 @@ Result<RepresentationResult> Evaluator::evaluate_one(const Candidate& candidate)
                  .motion_us = 1e6 * motion_cost / runs,
                  .touch_us = 1e6 * touch_cost / runs,
                  .sound_us = 1e6 * sound_cost / runs};
-  measure_cost(candidate, *sight, result);
+  measure_cost(candidate, result);
   return result;
 }
 
-void Evaluator::measure_cost(const Candidate& candidate, const Sight&, RepresentationResult& result) const {
+void Evaluator::measure_cost(const Candidate& candidate, RepresentationResult& result) const {
   const Subject::Offline& offline = subject_->offline();
   if (const auto mesh = subject_->mesh(candidate)) {
     result.cost.runtime_bytes = mesh->bytes();

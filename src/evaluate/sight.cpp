@@ -6,13 +6,17 @@
 #include <numbers>
 
 #include "core/portable_math.h"
-#include "evaluate/cpu_timer.h"
 #include "render/renderer.h"
 #include "scene/picture.h"
+#include "session/cost_meter.h"
 
 namespace intaglio::evaluate {
 
 namespace {
+
+double process_seconds() {
+  return 1e-9 * double(session::process_cpu_ns());
+}
 
 // Scene light of a pixel: the inverse of sRGB and of the film curve of shaders/lighting.glsl.
 std::array<double, 256> light_of_pixels() {
@@ -87,12 +91,12 @@ Result<Sight> Sight::look(const surface::Surface& surface, const Candidate& cand
   const double tan_height = steepest;
   const std::array<Vec3, 4> lamps = {Vec3(1, tan_height, 0), Vec3(-1, tan_height, 0), Vec3(0, tan_height, -1),
                                      Vec3(0, tan_height, 1)};
-  const double start = cpu_seconds(CLOCK_PROCESS_CPUTIME_ID);
+  const double start = process_seconds();
   for (std::size_t k = 0; k < 4; ++k) {
     frame.light.direction = lamps[k];
     pictures[k] = (*renderer)->draw(frame);
   }
-  sight.cost_ = (cpu_seconds(CLOCK_PROCESS_CPUTIME_ID) - start) / 4;
+  sight.cost_ = (process_seconds() - start) / 4;
   const auto count = std::size_t(pixels) * std::size_t(pixels);
   sight.slopes_.resize(count, Vec2::Zero());
   for (std::size_t p = 0; p < count; ++p) {
