@@ -27,8 +27,10 @@ ALLOWED = {
     "src/session": "core surface mesh contact dynamics haptics sound sound/bake sound/audio render scene scene/voices",
     "src/report": "core surface mesh contact dynamics haptics sound sound/bake sound/audio render scene scene/voices session",
     "src/evaluate": "core surface mesh contact dynamics haptics sound sound/bake sound/audio render scene scene/voices session report",
-    "apps/window": "core surface mesh contact dynamics haptics haptics/vrpn sound sound/bake sound/audio render scene scene/voices session report",
-    "apps/command": "core surface mesh contact dynamics haptics haptics/vrpn sound sound/bake sound/audio render scene scene/voices session report evaluate window",
+    "src/study/statistics": "core",
+    "src/study": "core surface mesh contact dynamics haptics sound sound/bake sound/audio render scene scene/voices session report study/statistics",
+    "apps/window": "core surface mesh contact dynamics haptics haptics/vrpn sound sound/bake sound/audio render scene scene/voices session report study study/statistics",
+    "apps/command": "core surface mesh contact dynamics haptics haptics/vrpn sound sound/bake sound/audio render scene scene/voices session report evaluate study study/statistics window",
     "apps/netgen": "",
 }
 # The library that defines what a public header, include/intaglio/<name>.h, declares. Public headers include only public ones of
@@ -53,6 +55,7 @@ LIBRARIES = {
     "imgui/": "apps/window", "dmumps_c.h": "src/sound/bake", "metis.h": "src/sound/bake", "sndfile": "src/sound/audio",
     "rtaudio/": "src/sound/audio", "hwy/": "src/sound", "toml++": "src/core", "embree3/": "src/surface src/mesh",
     "nlohmann/": "src/surface src/mesh apps/command", "CLI/": "apps/command", "nglib.h": "apps/netgen",
+    "sqlite3.h": "src/study", "boost/math": "src/study/statistics",
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 
