@@ -3,27 +3,23 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
-#include "core/portable_math.h"
 #include "evaluate/bootstrap.h"
+#include "evaluate/delay.h"
 #include "report/percepts.h"
 
 namespace intaglio::evaluate {
 
 namespace {
 
-using report::smoothed;
 using report::value_at;
 using Series = std::vector<double>;
 
-constexpr double trace_rate = 2000;        // Hz
 constexpr double furthest_lag = 0.1;       // s: beyond it an event is another event
 constexpr double window = 0.06;            // s, to either side of a feature
+constexpr double nearest = 0.02;           // s: a single delay's greatest distance from the crossing's
 constexpr double least_correlation = 0.5;  // below it a feature is missed
 constexpr double least_gain = 0.1;         // of the reference's variation
-constexpr double prominence = 0.05;        // of the depth
-constexpr double least_reach = 0.0025;     // m: half the width of a fingertip's contact
 constexpr double alarm_level = 0.3;        // of the strongest excitation
 
 struct PairOfSenses {
@@ -48,273 +44,6 @@ First first_of(Pair pair, Sense sense) {
   return pair == Pair::picture_motion ? First::either : First::sight;
 }
 
-Series derivative(const Series& series, double rate) {
-  Series out(series.size(), 0.0);
-  for (std::size_t k = 1; k + 1 < series.size(); ++k) out[k] = 0.5 * rate * (series[k + 1] - series[k - 1]);
-  return out;
-}
-
-}  // namespace
-
-const char* name_of(Sense sense) {
-  constexpr std::array<const char*, senses> names = {"picture", "touch", "motion", "sound"};
-  return names[std::size_t(sense)];
-}
-
-namespace {
-
-// Indices of the extrema of a series whose prominence, to either side, is at least `least`.
-std::vector<std::size_t> extrema(const Series& series, double least) {
-  std::vector<std::size_t> found;
-  if (series.empty()) return found;
-  // Alternating turning points: a new one counts when the series has come back by `least`.
-  std::size_t high = 0, low = 0;
-  int direction = 0;
-  for (std::size_t k = 0; k < series.size(); ++k) {
-    if (series[k] > series[high]) high = k;
-    if (series[k] < series[low]) low = k;
-    if (direction >= 0 && series[high] - series[k] >= least) {
-      if (high > 0) found.push_back(high);
-      direction = -1;
-      low = k;
-      high = k;
-    } else if (direction <= 0 && series[k] - series[low] >= least) {
-      if (low > 0) found.push_back(low);
-      direction = 1;
-      high = k;
-      low = k;
-    }
-  }
-  return found;
-}
-
-struct Relief {
-  Series distance, height;  // m, along the reference's path; filtered at the probe's radius
-  Series touching;          // more than 0 where it touches
-};
-
-// Values at which the reference's probe crosses a feature.
-std::vector<std::size_t> features_of(const Relief& relief, double radius, double depth, double rate) {
-  std::vector<std::size_t> found = extrema(relief.height, prominence * depth);
-  // A bend counts when the height leaves its tangent by the prominence within a radius.
-  const Series speed = derivative(relief.distance, rate);
-  const auto by_distance = [&](const Series& of) {
-    Series out = derivative(of, rate);
-    for (std::size_t k = 0; k < out.size(); ++k) out[k] = speed[k] > 1e-3 ? out[k] / speed[k] : 0;
-    return out;
-  };
-  const double reach = std::max(radius, least_reach);
-  for (const std::size_t k :
-       extrema(by_distance(by_distance(relief.height)), 2 * prominence * depth / (reach * reach)))
-    found.push_back(k);
-  std::sort(found.begin(), found.end());
-  std::vector<std::size_t> kept;
-  const auto ends = std::size_t((window + furthest_lag) * rate), near = std::size_t(0.01 * rate);
-  for (const std::size_t k : found) {
-    if (k < ends || k + ends >= relief.distance.size()) continue;
-    // One place is one feature.
-    if (!kept.empty() && relief.distance[k] - relief.distance[kept.back()] < reach) continue;
-    // In flight nothing is crossed.
-    const bool touches =
-        std::any_of(relief.touching.begin() + std::ptrdiff_t(k - near),
-                    relief.touching.begin() + std::ptrdiff_t(k + near), [](double t) { return t > 0; });
-    if (touches) kept.push_back(k);
-  }
-  return kept;
-}
-
-// For each value of a crossing's series: the value of the reference's at which its probe is at the same
-// place along the path. Where both rest, time goes on.
-Series same_places(const Crossing& crossing, const Crossing& reference, const report::Path& true_path) {
-  const double seconds = double(reference.place.size()) / reference.rate;
-  const double creep = 0.05 * true_path.distance.back() / std::max(seconds, 1e-9);  // m/s
-  Series progress = true_path.distance;
-  for (std::size_t k = 0; k < progress.size(); ++k) progress[k] += creep * double(k) / reference.rate;
-  Series out;
-  for (std::size_t k = 0; k < crossing.place.size(); ++k) {
-    const double at = (crossing.time(k) - reference.start) * reference.rate;
-    const auto now = std::size_t(std::clamp(at, 0.0, double(progress.size() - 1)));
-    const Vec2 off = crossing.place[k].head<2>() - true_path.place[now];
-    const double wanted = value_at(progress, at) + off.dot(true_path.direction[now]);
-    const auto after = std::lower_bound(progress.begin(), progress.end(), wanted);
-    if (after == progress.begin() || after == progress.end()) {
-      out.push_back(after == progress.begin() ? 0 : double(progress.size() - 1));
-      continue;
-    }
-    const double step = *after - *(after - 1);
-    out.push_back(double(after - progress.begin()) - (step > 0 ? (*after - wanted) / step : 0));
-  }
-  return out;
-}
-
-// Slopes as sines of their angles, as force directions are.
-double lean(double slope) {
-  return slope / std::sqrt(1 + slope * slope);
-}
-
-// Leans along a direction as the picture shows them, and as they are: means over a disc of half the probe's
-// radius, because a ball meets the relief beside its middle, too.
-std::pair<double, double> seen_around(const Sight& sight, const Reference& truth, const Vec3& place,
-                                      const Vec2& direction, double radius) {
-  double seen = 0, there = 0;
-  constexpr int points = 7;
-  for (int k = 0; k < points; ++k) {
-    Vec3 at = place;
-    if (k > 0) {
-      const auto turn = elementary::sin_cos(2 * std::numbers::pi * k / (points - 1));
-      at.head<2>() += 0.5 * radius * Vec2(turn.cos, turn.sin);
-    }
-    seen += lean(sight.slope(at).dot(direction));
-    there += lean(truth.slope(at.head<2>()).dot(direction));
-  }
-  return {seen / points, there / points};
-}
-
-struct Delivered {
-  std::array<std::optional<Series>, senses> of;
-};
-
-Delivered reference_series(const Crossing& reference, const report::Path& path) {
-  Delivered out;
-  Series change(reference.place.size(), 0.0);
-  if (reference.probe == Probe::pen) {
-    out.of[std::size_t(Sense::touch)] = report::felt_lean(reference.force, path);
-    for (std::size_t k = 1; k < change.size(); ++k)
-      change[k] = (reference.force[k] - reference.force[k - 1]).norm() * reference.rate;
-  } else {
-    out.of[std::size_t(Sense::motion)] = report::acceleration_along(reference.acceleration, path);
-    for (std::size_t k = 0; k < change.size(); ++k) change[k] = reference.acceleration[k].norm();
-  }
-  // Loudness grows less than in proportion.
-  for (double& value : change) value = std::sqrt(value);
-  out.of[std::size_t(Sense::sound)] = std::move(change);
-  return out;
-}
-
-}  // namespace
-
-Traces make_traces(const Subject& subject, const Crossing& crossing, const Crossing& reference,
-                   const Sight* sight) {
-  constexpr double smooth = 0.004;  // s, of directions and speeds
-  const report::Path path = report::path_of(crossing.place, crossing.rate, smooth);
-  const report::Path true_path = report::path_of(reference.place, reference.rate, smooth);
-  Traces out;
-  out.probe = crossing.probe;
-  out.rate = trace_rate;
-  out.start = std::max(crossing.start, reference.start);
-  out.hand_scale = subject.hand_scale;
-  const double end = std::min(crossing.time(crossing.place.size()), reference.time(reference.place.size()));
-  const auto length = std::size_t(std::max(0.0, end - out.start) * trace_rate);
-  if (length == 0) return out;
-  const auto resampled = [&](const Series& from, double start, double rate) {
-    Series to(length);
-    for (std::size_t k = 0; k < length; ++k)
-      to[k] = value_at(from, (out.start + double(k) / trace_rate - start) * rate);
-    return to;
-  };
-  // The filter: half the probe's radius, in time at its mean speed.
-  const double speed = true_path.distance.back() / (double(length) / trace_rate);
-  const double sigma = std::clamp(0.5 * crossing.radius / std::max(speed, 1e-3), 0.004, 0.02) * trace_rate;
-  Relief relief;
-  Series rest, touching;
-  for (std::size_t k = 0; k < reference.place.size(); ++k) {
-    rest.push_back(subject.reference().rest_on(true_path.place[k], crossing.radius).z);
-    touching.push_back(reference.touching[k] ? 1 : 0);
-  }
-  relief.distance = resampled(true_path.distance, reference.start, reference.rate);
-  relief.height = smoothed(resampled(rest, reference.start, reference.rate), sigma);
-  relief.touching = resampled(touching, reference.start, reference.rate);
-  // The reference at the places of this crossing.
-  const Series same = resampled(same_places(crossing, reference, true_path), crossing.start, crossing.rate);
-  const double middle = crossing.probe == Probe::ball ? 0.5 : 0;
-  const auto at_same = [&](const Series& from, double off = 0) {
-    Series to(length);
-    for (std::size_t k = 0; k < length; ++k) to[k] = value_at(from, same[k] + off);
-    return to;
-  };
-  out.distance = at_same(true_path.distance);
-  for (const std::size_t k : features_of(relief, crossing.radius, subject.reference().depth(), trace_rate)) {
-    const double wanted = (out.start + double(k) / trace_rate - reference.start) * reference.rate;
-    const auto first = std::find_if(same.begin(), same.end(), [&](double at) { return at >= wanted; });
-    if (first != same.end()) out.features.push_back(std::size_t(first - same.begin()));
-  }
-  Delivered wanted = reference_series(reference, true_path), delivered;
-  if (sight != nullptr) {
-    // Judged where the probe is drawn, so that its motion's errors are not the picture's.
-    Series seen, there;
-    for (std::size_t k = 0; k < crossing.place.size(); ++k) {
-      const auto [shown, true_lean] =
-          seen_around(*sight, subject.reference(), crossing.place[k], path.direction[k], crossing.radius);
-      seen.push_back(shown);
-      there.push_back(true_lean);
-    }
-    const auto filtered = [&](const Series& from) {
-      return smoothed(resampled(from, crossing.start, crossing.rate), sigma);
-    };
-    out.of[std::size_t(Sense::picture)] = {filtered(seen), filtered(there)};
-  }
-  if (crossing.probe == Probe::pen) {
-    delivered.of[std::size_t(Sense::touch)] = report::felt_lean(crossing.force, path);
-  } else {
-    delivered.of[std::size_t(Sense::motion)] = report::acceleration_along(crossing.acceleration, path);
-  }
-  for (std::size_t s = 0; s < senses; ++s)
-    if (delivered.of[s])
-      // A step's acceleration belongs in its middle.
-      out.of[s] = {
-          smoothed(resampled(*delivered.of[s], crossing.start - middle / crossing.rate, crossing.rate),
-                   sigma),
-          smoothed(at_same(*wanted.of[s], middle), sigma)};
-  const double sound_sigma = 0.002 * trace_rate;
-  Series excited = report::excitation(crossing.sound, crossing.sample_rate, trace_rate);
-  for (double& value : excited) value = std::sqrt(value);
-  excited = smoothed(excited, sound_sigma);
-  // A value of `excited` is the mean over its time, in whose middle it belongs.
-  out.of[std::size_t(Sense::sound)] = {
-      resampled(excited, 0.5 / trace_rate, trace_rate),
-      smoothed(at_same(*wanted.of[std::size_t(Sense::sound)], middle), sound_sigma)};
-  return out;
-}
-
-Traces with_fault(const Traces& traces, Sense sense, const StreamFault& fault) {
-  Traces out = traces;
-  auto& series = out.of[std::size_t(sense)];
-  if (!series) return out;
-  Series from = series->delivered;
-  if (fault.other != nullptr && fault.other->of[std::size_t(sense)])
-    from = fault.other->of[std::size_t(sense)]->delivered;
-  from.resize(series->delivered.size(), 0.0);
-  for (std::size_t k = 0; k < from.size(); ++k) {
-    double at = double(k) - fault.delay * traces.rate;
-    if (fault.shift != 0 && at >= 0) {
-      // The value delivered where the probe was the shift earlier.
-      const double wanted = value_at(traces.distance, at) - fault.shift;
-      at = double(std::lower_bound(traces.distance.begin(), traces.distance.end(), wanted) -
-                  traces.distance.begin());
-    }
-    series->delivered[k] = fault.off || at < 0 ? 0 : value_at(from, at);
-  }
-  return out;
-}
-
-namespace {
-
-// Pearson's correlation of reference[from..to) with delivered shifted by `lag`; 0 where one does not vary.
-double correlation(const Traces::Series& series, std::int64_t from, std::int64_t to, std::int64_t lag) {
-  const auto size = std::int64_t(series.reference.size());
-  double a = 0, b = 0, aa = 0, bb = 0, ab = 0;
-  std::int64_t n = 0;
-  for (std::int64_t k = std::max({from, std::int64_t(0), -lag}); k < std::min({to, size, size - lag}); ++k) {
-    const double x = series.reference[std::size_t(k)], y = series.delivered[std::size_t(k + lag)];
-    a += x, b += y, aa += x * x, bb += y * y, ab += x * y;
-    ++n;
-  }
-  if (n < 8) return 0;
-  const double vx = aa - a * a / double(n), vy = bb - b * b / double(n);
-  if (!(vx > 1e-12 * double(n)) || !(vy > 1e-12 * double(n))) return 0;
-  return (ab - a * b / double(n)) / std::sqrt(vx * vy);
-}
-
 // Root mean square of a part about its mean.
 double variation(const Series& series, std::int64_t from, std::int64_t to) {
   double sum = 0, squares = 0;
@@ -327,50 +56,126 @@ double variation(const Series& series, std::int64_t from, std::int64_t to) {
   return n > 0 ? std::sqrt(std::max(0.0, squares / double(n) - sum * sum / double(n * n))) : 0;
 }
 
-// The lag of the best correlation within `reach` of `around`, with the vertex of the parabola through it.
-struct Lag {
-  double values = 0, correlation = 0;
+// What a sense says of each feature.
+struct Told {
+  std::vector<std::optional<double>> delay;  // s
+  std::vector<double> displaced;             // m
 };
-Lag best_lag(const Traces::Series& series, std::int64_t from, std::int64_t to, std::int64_t around,
-             std::int64_t reach) {
-  // If two lags fit equally well, the nearer one is right.
-  constexpr double pull = 0.1;
-  std::vector<double> at;
-  for (std::int64_t lag = around - reach - 1; lag <= around + reach + 1; ++lag) {
-    const double off = double(lag - around) / double(reach);
-    at.push_back(correlation(series, from, to, lag) - pull * off * off);
-  }
-  std::size_t best = 1;
-  for (std::size_t k = 1; k + 1 < at.size(); ++k)
-    if (at[k] > at[best]) best = k;
-  const double bend = at[best - 1] - 2 * at[best] + at[best + 1];
-  const double vertex = bend < 0 ? std::clamp(0.5 * (at[best - 1] - at[best + 1]) / bend, -0.5, 0.5) : 0;
-  const double lag = double(around - reach - 1) + double(best) + vertex,
-               off = (lag - double(around)) / double(reach);
-  return {lag, at[best] + pull * off * off};
-}
 
-// The delay of each feature in one sense. First that of the whole crossing, because a periodic texture would
-// match a feature with its neighbour; then that of each feature, around it.
-std::vector<std::optional<double>> delays(const Traces& traces, const Traces::Series& series,
-                                          const std::vector<std::size_t>& features, bool is_sound) {
-  const auto furthest = std::int64_t(furthest_lag * traces.rate);
-  const auto length = std::int64_t(series.reference.size());
-  const Lag whole = best_lag(series, 0, length, 0, furthest);
-  std::vector<std::optional<double>> out;
-  const auto half = std::int64_t(window * traces.rate), near = std::int64_t(0.02 * traces.rate);
-  for (const std::size_t feature : features) {
-    const auto k = std::int64_t(feature);
-    const Lag lag = best_lag(series, k - half, k + half, std::int64_t(std::lround(whole.values)), near);
-    const auto shift = std::int64_t(std::lround(lag.values));
-    const double least = is_sound ? 0 : least_gain * variation(series.reference, k - half, k + half);
-    const bool is_delivered = lag.correlation >= least_correlation &&
-                              std::abs(lag.values) <= double(furthest) &&
-                              variation(series.delivered, k - half + shift, k + half + shift) >= least;
-    out.push_back(is_delivered ? std::optional(lag.values / traces.rate) : std::nullopt);
+// Measures the delays of one crossing's senses.
+class Delays {
+ public:
+  Delays(const Traces& traces) : traces_(traces), length_(std::int64_t(traces.distance.size())) {}
+
+  Told of(Sense sense) const {
+    if (sense == Sense::picture) return picture();
+    if (sense == Sense::sound) return sound();
+    return from_reference(*traces_.of[std::size_t(sense)], false);
   }
-  return out;
-}
+
+ private:
+  std::int64_t values(double seconds) const { return std::int64_t(seconds * traces_.rate); }
+  std::int64_t feature(std::size_t k) const { return std::int64_t(traces_.features[k]); }
+
+  // The delay of the whole crossing first, because a periodic texture would match a feature with its
+  // neighbour; then those of the features, around it.
+  std::vector<Lag> lags(const Series& reference, const Series& delivered, double& whole) const {
+    whole = best_lag(reference, delivered, 0, length_, 0, values(furthest_lag)).values;
+    std::vector<Lag> out;
+    for (std::size_t k = 0; k < traces_.features.size(); ++k)
+      out.push_back(best_lag(reference, delivered, feature(k) - values(window), feature(k) + values(window),
+                             std::lround(whole), values(nearest)));
+    return out;
+  }
+
+  bool is_told(const Traces::Series& series, const Lag& lag, std::int64_t at, bool is_sound) const {
+    const std::int64_t half = values(window), shift = std::lround(lag.values);
+    const double least = is_sound ? 0 : least_gain * variation(series.reference, at - half, at + half);
+    return lag.correlation >= least_correlation && std::abs(lag.values) <= double(values(furthest_lag)) &&
+           variation(series.delivered, at - half + shift, at + half + shift) >= least;
+  }
+
+  Told from_reference(const Traces::Series& series, bool is_sound) const {
+    double whole = 0;
+    const std::vector<Lag> found = lags(series.reference, series.delivered, whole);
+    Told out;
+    std::vector<Lag> told;
+    for (std::size_t k = 0; k < found.size(); ++k)
+      if (is_told(series, found[k], feature(k), is_sound)) told.push_back(found[k]);
+    const std::vector<double> drawn = drawn_together(told, whole);
+    auto next = drawn.begin();
+    for (std::size_t k = 0; k < found.size(); ++k)
+      out.delay.push_back(is_told(series, found[k], feature(k), is_sound)
+                              ? std::optional(*next++ / traces_.rate)
+                              : std::nullopt);
+    return out;
+  }
+
+  // One delay, and for each feature the error of place that is left, by the same series over the way.
+  Told picture() const {
+    const Traces::Series& series = *traces_.of[std::size_t(Sense::picture)];
+    const double whole =
+        best_lag(series.reference, series.delivered, 0, length_, 0, values(furthest_lag)).values;
+    const double step = traces_.distance.back() / double(std::max<std::int64_t>(1, length_));
+    Told out;
+    std::vector<Lag> told;
+    for (std::size_t k = 0; k < traces_.features.size(); ++k) {
+      const Lag lag = lag_of_place(series, whole, feature(k), step);
+      const std::int64_t half = values(window), shift = std::lround(whole);
+      const bool is_shown =
+          lag.correlation >= least_correlation &&
+          variation(series.delivered, feature(k) - half + shift, feature(k) + half + shift) >=
+              least_gain * variation(series.reference, feature(k) - half, feature(k) + half);
+      out.delay.push_back(is_shown ? std::optional(whole / traces_.rate) : std::nullopt);
+      if (is_shown) told.push_back(lag);
+    }
+    const std::vector<double> drawn = drawn_together(told, 0);
+    auto next = drawn.begin();
+    for (const auto& delay : out.delay) out.displaced.push_back(delay ? *next++ * step : 0);
+    return out;
+  }
+
+  // Steps of the way by which a picture that is `whole` values late has what is at a value farther on.
+  Lag lag_of_place(const Traces::Series& series, double whole, std::int64_t at, double step) const {
+    const double reach = window * traces_.rate * step, near = nearest * traces_.rate * step;
+    const auto half = std::int64_t((reach + near) / step) + 2;
+    Series reference, delivered;
+    const double middle = traces_.distance[std::size_t(at)];
+    for (std::int64_t k = -half; k <= half; ++k) {
+      const auto after =
+          std::lower_bound(traces_.distance.begin(), traces_.distance.end(), middle + double(k) * step);
+      const auto place = double(std::min(after - traces_.distance.begin(), length_ - 1));
+      reference.push_back(value_at(series.reference, place));
+      delivered.push_back(value_at(series.delivered, place + whole));
+    }
+    return best_lag(reference, delivered, half - values(window), half + values(window), 0, values(nearest));
+  }
+
+  Told sound() const {
+    const Traces::Series& series = *traces_.of[std::size_t(Sense::sound)];
+    Told out = from_reference(series, true);
+    const Sense cause = traces_.probe == Probe::pen ? Sense::touch : Sense::motion;
+    const auto& moved = traces_.of[std::size_t(cause)];
+    if (!moved || moved->change.empty()) return out;
+    double whole = 0;
+    const std::vector<Lag> found = lags(moved->change, series.delivered, whole);
+    const Told of_cause = from_reference(*moved, false);
+    std::vector<Lag> told;
+    std::vector<std::size_t> which;
+    for (std::size_t k = 0; k < found.size(); ++k) {
+      if (!of_cause.delay[k] || !is_told(series, found[k], feature(k), true)) continue;
+      told.push_back(found[k]);
+      which.push_back(k);
+    }
+    const std::vector<double> drawn = drawn_together(told, whole);
+    for (std::size_t k = 0; k < which.size(); ++k)
+      out.delay[which[k]] = drawn[k] / traces_.rate + *of_cause.delay[which[k]];
+    return out;
+  }
+
+  const Traces& traces_;
+  std::int64_t length_;
+};
 
 std::size_t alarms(const Traces& traces, const std::vector<std::size_t>& features) {
   const auto& sound = traces.of[std::size_t(Sense::sound)];
@@ -390,20 +195,24 @@ std::size_t alarms(const Traces& traces, const std::vector<std::size_t>& feature
   return count;
 }
 
-void add_pair(const Traces& traces, const FeatureCrossed& feature, const PairOfSenses& senses_of,
+// Takes the feature's displacement as part of the picture's place.
+void add_pair(const Traces& traces, FeatureCrossed& feature, const PairOfSenses& senses_of,
               const Thresholds& thresholds, PairAgreement& out) {
+  if (!feature.is_heard && senses_of.second == Sense::sound) return;
   const auto a = feature.delay[std::size_t(senses_of.first)];
   const auto b = feature.delay[std::size_t(senses_of.second)];
   if (!a || !b) {
     ++out.missed;
     out.jnd.push_back(missed_jnd);
+    feature.worst = missed_jnd;
     return;
   }
   const double dt = *a - *b;
   const auto where = [&](double delay) {
     return value_at(traces.distance, (feature.time + delay - traces.start) * traces.rate);
   };
-  const double ds = (where(*a) - where(*b)) / traces.hand_scale;
+  const double displaced = senses_of.first == Sense::picture ? feature.displaced : 0;
+  const double ds = (where(*a) - where(*b) + displaced) / traces.hand_scale;
   const First first = first_of(senses_of.pair, dt < 0 ? senses_of.first : senses_of.second);
   // A picture is late by what its motion is late, and both are drawn at once: only their places can differ.
   const bool is_place_only = senses_of.pair == Pair::picture_motion;
@@ -412,6 +221,7 @@ void add_pair(const Traces& traces, const FeatureCrossed& feature, const PairOfS
   out.ms.push_back(1000 * std::abs(dt));
   out.mm.push_back(1000 * std::abs(ds));
   out.jnd.push_back(std::min(jnd(dt, ds, T, thresholds.S(senses_of.pair)), missed_jnd));
+  feature.worst = std::max(feature.worst, out.jnd.back());
 }
 
 }  // namespace
@@ -419,41 +229,38 @@ void add_pair(const Traces& traces, const FeatureCrossed& feature, const PairOfS
 Agreement measure_agreement(const Traces& traces, const Thresholds& thresholds) {
   Agreement out;
   const std::vector<std::size_t>& features = traces.features;
-  std::array<std::vector<std::optional<double>>, senses> delay;
+  const Delays delays(traces);
+  std::array<Told, senses> told;
   for (std::size_t s = 0; s < senses; ++s)
-    if (traces.of[s]) delay[s] = delays(traces, *traces.of[s], features, Sense(s) == Sense::sound);
+    if (traces.of[s]) told[s] = delays.of(Sense(s));
   for (std::size_t k = 0; k < features.size(); ++k) {
     FeatureCrossed& feature = out.features.emplace_back();
     feature.time = traces.start + double(features[k]) / traces.rate;
     feature.distance = traces.distance[features[k]];
+    feature.is_heard = traces.is_heard.empty() || traces.is_heard[k];
     for (std::size_t s = 0; s < senses; ++s)
-      if (traces.of[s]) feature.delay[s] = delay[s][k];
+      if (traces.of[s]) feature.delay[s] = told[s].delay[k];
+    const auto& displaced = told[std::size_t(Sense::picture)].displaced;
+    if (!displaced.empty()) feature.displaced = displaced[k];
   }
   for (const PairOfSenses& pair : traces.probe == Probe::pen ? pen_pairs : ball_pairs) {
     if (!traces.of[std::size_t(pair.first)] || !traces.of[std::size_t(pair.second)]) continue;
     PairAgreement& sum = out.pairs.emplace_back();
     sum.first = pair.first;
     sum.second = pair.second;
-    for (const FeatureCrossed& feature : out.features) add_pair(traces, feature, pair, thresholds, sum);
+    for (FeatureCrossed& feature : out.features) add_pair(traces, feature, pair, thresholds, sum);
   }
   for (const FeatureCrossed& feature : out.features)
     for (std::size_t s = 0; s < senses; ++s)
-      if (traces.of[s] && !feature.delay[s]) ++out.missed;
+      if (traces.of[s] && !feature.delay[s] && (Sense(s) != Sense::sound || feature.is_heard)) ++out.missed;
   out.false_alarms = alarms(traces, features);
   return out;
 }
 
-std::vector<double> Agreement::worst() const {
-  std::vector<double> out(features.size(), 0.0);
-  for (const PairAgreement& pair : pairs)
-    for (std::size_t k = 0; k < pair.jnd.size(); ++k) out[k] = std::max(out[k], pair.jnd[k]);
-  return out;
-}
-
 double Agreement::score() const {
-  const std::vector<double> all = worst();
-  if (all.empty()) return std::numeric_limits<double>::quiet_NaN();
-  return double(std::count_if(all.begin(), all.end(), [](double x) { return x >= 1; })) / double(all.size());
+  if (features.empty()) return std::numeric_limits<double>::quiet_NaN();
+  return double(std::count_if(features.begin(), features.end(), [](const auto& f) { return f.worst >= 1; })) /
+         double(features.size());
 }
 
 double Agreement::mean_jnd() const {

@@ -7,6 +7,7 @@
 
 #include "evaluate/agreement.h"
 #include "evaluate/bootstrap.h"
+#include "evaluate/delay.h"
 #include "report/percepts.h"
 #include "surface/recipes/builtin.h"
 
@@ -112,6 +113,61 @@ TEST_CASE("The score is blind to no sense") {
       CHECK(mean_x(with_fault(perfect(probe), sense, {.other = &other})) > 1);
     }
   }
+}
+
+TEST_CASE("Single delays are told from the noise of the series that they are measured in") {
+  // Bumps that are early or late by up to 8 ms, each for itself, under noise: synthetic.
+  constexpr double rate = 2000;
+  constexpr int bumps = 24, apart = 400;
+  std::vector<double> true_lag, reference, delivered;
+  std::uint32_t seed = 5;
+  const auto random = [&] {
+    seed = seed * 1664525u + 1013904223u;
+    return double(seed >> 8) / double(1u << 24) - 0.5;
+  };
+  for (int bump = 0; bump < bumps; ++bump) true_lag.push_back(32 * random());
+  double noise = 0;
+  for (int k = 0; k < apart * bumps; ++k) {
+    const auto bump = std::size_t(k / apart);
+    const double at = apart * (double(bump) + 0.5);
+    const auto slope = [](double x) { return -x * std::exp(-0.5 * x * x); };
+    reference.push_back(slope((k - at) / 30));
+    noise = 0.9 * noise + 0.1 * random();
+    delivered.push_back(slope((k - at - true_lag[bump]) / 30) + noise);
+  }
+  std::vector<Lag> found;
+  double raw = 0, drawn = 0, spread = 0, expected = 0, error = 0;
+  for (int bump = 0; bump < bumps; ++bump) {
+    const std::int64_t middle = apart * bump + apart / 2;
+    found.push_back(best_lag(reference, delivered, middle - 120, middle + 120, 0, 40));
+  }
+  const std::vector<double> together = drawn_together(found, 0);
+  for (std::size_t bump = 0; bump < bumps; ++bump) {
+    raw += std::pow(found[bump].values - true_lag[bump], 2) / bumps;
+    drawn += std::pow(together[bump] - true_lag[bump], 2) / bumps;
+    spread += together[bump] * together[bump] / bumps;
+    expected += true_lag[bump] * true_lag[bump] / bumps;
+    error += found[bump].error * found[bump].error / bumps;
+  }
+  MESSAGE(fmt::format(
+      "spread {:.2f} ms, found {:.2f} ms; error {:.2f} ms, drawn together {:.2f}, said {:.2f}",
+      1000 / rate * std::sqrt(expected), 1000 / rate * std::sqrt(spread), 1000 / rate * std::sqrt(raw),
+      1000 / rate * std::sqrt(drawn), 1000 / rate * std::sqrt(error)));
+  CHECK(std::sqrt(spread / expected) > 0.8);
+  CHECK(std::sqrt(spread / expected) < 1.2);
+  CHECK(drawn < 1.1 * raw);
+  CHECK(std::sqrt(error / raw) > 0.5);
+  CHECK(std::sqrt(error / raw) < 2);
+}
+
+TEST_CASE("On the reference itself, seen by its true slopes, the meter reads little") {
+  // Brick: 3 s, because the reference is made first. What is left is the tip, which the reference's dilates.
+  const auto subject = Subject::make(SubjectOptions());
+  REQUIRE(subject);
+  const Crossing stroke = reference_stroke(*subject, {.from = {0.2, 0.3}, .to = {0.6, 0.5}, .speed = 0.12});
+  const double x = mean_x(reference_traces(*subject, stroke));
+  MESSAGE(fmt::format("mean x {:.3f}", x));
+  CHECK(x < 0.3);
 }
 
 TEST_CASE("An excitation far from any feature is a false alarm") {

@@ -44,7 +44,7 @@ TEST_CASE("the built-in thresholds are those of the literature") {
   CHECK(thresholds.T(Pair::sight_sound) == 0.045);
   CHECK(thresholds.T(Pair::picture_motion) == no_threshold);
   CHECK(thresholds.S(Pair::touch_sound) == 0.0056);
-  CHECK(thresholds.S(Pair::picture_motion) == 0.0002);
+  CHECK(thresholds.S(Pair::picture_motion) == 0.0056);
   CHECK(thresholds.S(Pair::sight_sound) == no_threshold);
   for (const auto* list : {&thresholds.times, &thresholds.places})
     for (const Threshold& threshold : *list) {
