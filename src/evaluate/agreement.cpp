@@ -56,7 +56,7 @@ double variation(const Series& series, std::int64_t from, std::int64_t to) {
   return n > 0 ? std::sqrt(std::max(0.0, squares / double(n) - sum * sum / double(n * n))) : 0;
 }
 
-// What a sense says of each feature.
+// One sense's delay and error of place at each feature.
 struct Told {
   std::vector<std::optional<double>> delay;  // s
   std::vector<double> displaced;             // m

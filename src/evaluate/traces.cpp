@@ -121,8 +121,8 @@ double lean(double slope) {
   return slope / std::sqrt(1 + slope * slope);
 }
 
-// Leans along a direction as the picture shows them (without one, as they are), and as they are: means over a disc of half the probe's
-// radius, because a ball meets the relief beside its middle, too.
+// Leans along a direction as the picture shows them, and as they are (both, without a picture): means over a
+// disc of half the probe's radius, because a ball meets the relief beside its middle, too.
 std::pair<double, double> seen_around(const Sight* sight, const Reference& truth, const Vec3& place,
                                       const Vec2& direction, double radius) {
   double seen = 0, there = 0;

@@ -1,5 +1,5 @@
-// What each sense delivers along one crossing, as series in time, each beside what the reference delivers at
-// the same places: slopes that are seen and felt, accelerations, and how strongly the sound is excited.
+// The series that each sense delivers along one crossing, each beside what the reference delivers at the
+// same places: slopes that are seen and felt, accelerations, and how strongly the sound is excited.
 //
 // A picture and a force are judged where the probe is drawn, against the true relief there: as it is for
 // sight, and as a mean over the tip for touch, because a feature is what remains of the relief at the probe's

@@ -115,7 +115,7 @@ TEST_CASE("The score is blind to no sense") {
   }
 }
 
-TEST_CASE("Single delays are told from the noise of the series that they are measured in") {
+TEST_CASE("Single delays are separated from the noise of the series that they are measured in") {
   // Bumps that are early or late by up to 8 ms, each for itself, under noise: synthetic.
   constexpr double rate = 2000;
   constexpr int bumps = 24, apart = 400;
@@ -161,7 +161,7 @@ TEST_CASE("Single delays are told from the noise of the series that they are mea
 }
 
 TEST_CASE("On the reference itself, seen by its true slopes, the meter reads little") {
-  // Brick: 3 s, because the reference is made first. What is left is the tip, which the reference's dilates.
+  // Brick: 3 s, because the reference is made first. The remainder is the tip: the reference's dilates.
   const auto subject = Subject::make(SubjectOptions());
   REQUIRE(subject);
   const Crossing stroke = reference_stroke(*subject, {.from = {0.2, 0.3}, .to = {0.6, 0.5}, .speed = 0.12});
