@@ -2,9 +2,10 @@
 //
 // The lag of the best correlation, between values by the vertex of a parabola. Its standard error is that of
 // the lag in delivered(t) = a reference(t - lag) + b by least squares, with a residual that is correlated in
-// time (Newey and West 1987). Where many lags are measured, their own spread is separated from that error, and
-// each is drawn towards the common one by as much as its error explains (empirical Bayes; DerSimonian and
-// Laird 1986, Efron and Morris 1973): a series that hardly says when is not taken as late. Pure; any thread.
+// time (Newey and West 1987). Where many lags are measured, their own spread is separated from that error,
+// and each is drawn towards the common one by as much as its error explains (empirical Bayes; DerSimonian
+// and Laird 1986, Efron and Morris 1973): a series that hardly says when is not taken as late. Pure; any
+// thread.
 #pragma once
 
 #include <cstdint>
