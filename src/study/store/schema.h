@@ -11,7 +11,7 @@ namespace intaglio::study {
 
 inline constexpr std::int64_t store_schema_version = 1;
 
-// Creates the tables in an empty file, in one transaction. `store_id` names the store for ever.
+// Creates the tables in an empty file, in one transaction. `store_id` is the name of the store from then on.
 Result<void> create_schema(Database& database, const std::string& store_id);
 // Errors: another program's database, a newer schema (with both versions).
 Result<void> check_schema(const Database& database);

@@ -169,9 +169,9 @@ Result<void> Store::recover() {
   std::error_code ignored;
   for (const std::string& file : doomed) std::filesystem::remove(streams_folder() / file, ignored);
   return database_.transaction([&]() -> Result<void> {
-    // Not in a name: the id only says who writes.
-    const std::string writer = fmt::format("process {} on {}, since {},", ::getpid() /* Not in a name */,
-                                           host_name(), utc_text(options_.wall_ms()));
+    const auto process = std::int64_t(::getpid());  // Not in a name
+    const std::string writer =
+        fmt::format("process {} on {}, since {},", process, host_name(), utc_text(options_.wall_ms()));
     auto done = database_.run(
         "INSERT INTO info VALUES('writer', ?) ON CONFLICT(key) DO UPDATE SET value = "
         "excluded.value",

@@ -100,7 +100,7 @@ class Store {
 
   const std::filesystem::path& path() const { return database_.path(); }
   std::filesystem::path streams_folder() const;
-  // Names this store for ever, also in stores into which it is merged.
+  // The name of this store, which merges keep.
   const std::string& id() const { return id_; }
   Database& database() { return database_; }
   const Database& database() const { return database_; }

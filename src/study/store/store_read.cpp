@@ -1,4 +1,4 @@
-// What analyses, exports and a session that resumes read from a store.
+// The rows that analyses, exports and a resumed session read from a store.
 #include "study/store/store.h"
 
 namespace intaglio::study {

@@ -1,4 +1,4 @@
-// What the runner writes into a store.
+// The rows that the runner writes into a store.
 #include <fmt/format.h>
 
 #include <algorithm>

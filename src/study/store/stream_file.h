@@ -67,7 +67,7 @@ struct StreamFile {
 Result<StreamFile> parse_stream(std::string_view bytes, const std::string& name);
 Result<StreamFile> load_stream(const std::filesystem::path& path);
 
-// What a header may say: names in letters, digits and _; 1 to 16 columns; the first "time" in s.
+// Checks a header: names in letters, digits and _; 1 to 16 columns; the first "time" in s.
 Result<void> check_header(const StreamHeader& header);
 std::string header_text(const StreamHeader& header);
 
