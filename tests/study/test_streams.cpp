@@ -1,5 +1,5 @@
-// High-rate streams: each record that was pushed is in the file, a torn tail costs its own frame alone, a file
-// of a process that was killed is found and hashed when its store is opened again.
+// High-rate streams: each record that was pushed is in the file, a torn tail costs its own frame alone, a
+// file of a process that was killed is found and hashed when its store is opened again.
 #include <doctest/doctest.h>
 #include <rapidcheck.h>
 

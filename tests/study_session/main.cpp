@@ -1,7 +1,6 @@
 // A session that is killed, for tools/study_kill_trial.
-//   study_session run STORE     begins or resumes a session of 1,000,000 steps, in each of which four items are
-//                               answered and a pose is recorded, and prints a line for each thing that the
-//                               store has acknowledged
+//   study_session run STORE     begins or resumes a session of endless steps, in each of which four items are
+//                               answered and a pose is recorded; prints what the store has acknowledged
 //   study_session read STORE    prints all answers, checkpoints and the streams' ends
 // Times are seconds of CLOCK_MONOTONIC, which all processes share.
 #include <fmt/format.h>

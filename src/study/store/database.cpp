@@ -147,7 +147,13 @@ Result<Database> Database::open(const std::filesystem::path& path, Access access
   if (code != SQLITE_OK) return tl::unexpected(database.error(code));
   if (access != Access::read && sqlite3_db_readonly(handle, "main") == 1)
     return tl::unexpected(database.error(SQLITE_READONLY));
-  if (auto configured = database.configure(); !configured) return tl::unexpected(configured.error());
+  auto configured = database.configure();
+  const int why = sqlite3_extended_errcode(handle);
+  // Its writer was killed: rolling back what it had not committed takes write access, and loses nothing.
+  if (!configured && access == Access::read &&
+      (why == SQLITE_READONLY_ROLLBACK || why == SQLITE_READONLY_RECOVERY))
+    return open(path, Access::write);
+  if (!configured) return tl::unexpected(configured.error());
   return database;
 }
 
