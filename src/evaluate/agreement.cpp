@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "evaluate/bootstrap.h"
+#include "core/bootstrap.h"
 #include "evaluate/delay.h"
 #include "report/percepts.h"
 

@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "core/bootstrap.h"
 #include "evaluate/agreement.h"
-#include "evaluate/bootstrap.h"
 #include "evaluate/picture_truth.h"
 #include "evaluate/subject.h"
 #include "evaluate/vibration.h"

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include "core/bootstrap.h"
 #include "core/portable_math.h"
-#include "evaluate/bootstrap.h"
 
 namespace intaglio::evaluate {
 namespace {

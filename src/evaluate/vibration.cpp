@@ -6,8 +6,8 @@
 #include <limits>
 #include <numbers>
 
+#include "core/bootstrap.h"
 #include "core/portable_math.h"
-#include "evaluate/bootstrap.h"
 #include "evaluate/power_spectrum.h"
 
 namespace intaglio::evaluate {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "core/bootstrap.h"
 #include "evaluate/agreement.h"
-#include "evaluate/bootstrap.h"
 #include "evaluate/delay.h"
 #include "report/percepts.h"
 #include "surface/recipes/builtin.h"

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "core/bootstrap.h"
 #include "core/hash.h"
-#include "evaluate/bootstrap.h"
 #include "evaluate/flip.h"
 #include "evaluate/loudness.h"
 #include "evaluate/spectrum_distance.h"

@@ -5,11 +5,10 @@
 #include <cmath>
 #include <vector>
 
+#include "core/bootstrap.h"
 #include "core/portable_math.h"
-#include "evaluate/bootstrap.h"
 
 using namespace intaglio;
-using namespace intaglio::evaluate;
 
 namespace {
 

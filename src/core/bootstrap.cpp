@@ -1,4 +1,4 @@
-#include "evaluate/bootstrap.h"
+#include "core/bootstrap.h"
 
 #include <algorithm>
 #include <cassert>
@@ -8,7 +8,7 @@
 
 #include "core/portable_math.h"
 
-namespace intaglio::evaluate {
+namespace intaglio {
 namespace {
 
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
@@ -53,4 +53,4 @@ Interval bootstrap_interval(std::span<const double> values, const Statistic& sta
   return {quantile_of_sorted(statistics, tail), quantile_of_sorted(statistics, 1 - tail)};
 }
 
-}  // namespace intaglio::evaluate
+}  // namespace intaglio

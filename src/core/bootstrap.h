@@ -12,7 +12,7 @@
 #include <functional>
 #include <span>
 
-namespace intaglio::evaluate {
+namespace intaglio {
 
 struct Interval {
   double low = 0, high = 0;
@@ -37,4 +37,4 @@ double quantile(std::span<const double> values, double fraction);
 Interval bootstrap_interval(std::span<const double> values, const Statistic& statistic = mean,
                             const BootstrapOptions& options = {});
 
-}  // namespace intaglio::evaluate
+}  // namespace intaglio
