@@ -47,6 +47,8 @@ class Reference {
   Vec2 slope(const Vec2& p) const;
   // Mean height below the base, m.
   double mean() const { return mean_; }
+  // z of the grid's point (i, j), which lies at ((i + 0.5) spacing_x, (j + 0.5) spacing_y); the grid repeats.
+  double at(int i, int j) const { return z_[std::size_t(wrap(j)) * std::size_t(n_) + std::size_t(wrap(i))]; }
 
   // Where a ball of that radius rests whose centre is over p.
   RestingBall rest_on(const Vec2& p, double radius) const;
@@ -57,14 +59,13 @@ class Reference {
  private:
   // The grid's point that a ball over p touches first.
   Vec2 highest_point(const Vec2& p, double radius) const;
-  double at(int i, int j) const { return z_[std::size_t(wrap(j)) * std::size_t(n_) + std::size_t(wrap(i))]; }
-  int wrap(int k) const { return ((k % n_) + n_) % n_; }
+  int wrap(int k) const { return k >= 0 && k < n_ ? k : ((k % n_) + n_) % n_; }
   void measure_mean();
 
   int n_;
   Vec2 size_, spacing_;
   double depth_, mean_ = 0;
-  std::vector<float> z_;  // m; point (i, j) at ((i + 0.5) spacing_x, (j + 0.5) spacing_y)
+  std::vector<float> z_;  // m
 };
 
 // The reference of what a texture's name means: a recipe, or images. `surface` is the relief that was made
