@@ -255,8 +255,8 @@ class BallWorld {
   BallWorld(const Subject& subject, const Candidate& candidate, const scene::Scene& scene) {
     const scene::SceneSurface& surface = subject.surface(candidate);
     if (candidate.mesh_cells > 0) {
-      mesh_.emplace(subject.mesh(candidate), surface.material, subject.ball_radius(), scene.balls[0].material,
-                    scene.physics.rate);
+      mesh_.emplace(subject.mesh(candidate), surface.material, contact::Sphere{subject.ball_radius()},
+                    scene.balls[0].material, scene.physics.rate);
     } else {
       world_.emplace(scene, surface, candidate.representation);
     }

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "core/portable_math.h"
+#include "evaluate/body_truth.h"
 #include "evaluate/reference_motion.h"
 #include "evaluate/truth.h"
 
@@ -20,7 +21,26 @@ namespace {
 struct RunPlan {
   StrokeOptions stroke;
   RollOptions roll;
+  std::array<ThrowOptions, 2> throws;  // a box and a hull
 };
+
+// A body that falls onto the relief, turning as it goes, and slides or tumbles on.
+ThrowOptions plan_throw(BodyKind kind, double side, Random& random) {
+  ThrowOptions out;
+  out.kind = kind;
+  const double x = random.uniform(-0.15, 0.15), y = random.uniform(-0.15, 0.15);
+  const double heading = 2 * std::numbers::pi * random.uniform();
+  const double speed = random.uniform(0.3, 0.6) * std::sqrt(side);
+  const auto way = elementary::sin_cos(heading);
+  Vec3 turn, spin;
+  for (int axis = 0; axis < 3; ++axis) turn[axis] = random.uniform(-1.5, 1.5);
+  for (int axis = 0; axis < 3; ++axis) spin[axis] = random.uniform(-4, 4) / std::sqrt(side);
+  out.start.pose = {side * Vec3(0.5 + x, 0.5 + y, 0.065), rotation(turn)};
+  out.start.velocity = speed * Vec3(way.cos, way.sin, 0);
+  out.start.angular_velocity = spin;
+  out.seconds = 0.6 * std::sqrt(side);
+  return out;
+}
 
 std::vector<RunPlan> plan_runs(const EvaluateOptions& options) {
   Random random(options.seed);
@@ -51,12 +71,17 @@ std::vector<RunPlan> plan_runs(const EvaluateOptions& options) {
     plan.roll.seconds = std::min(1.2, 0.6 * side / speed);
     plans.push_back(plan);
   }
+  // From a stream of their own, so that strokes and rolls do not depend on them.
+  Random tumbling(options.seed ^ 0x7468726f77ull);
+  for (RunPlan& plan : plans)
+    plan.throws = {plan_throw(BodyKind::box, side, tumbling), plan_throw(BodyKind::hull, side, tumbling)};
   return plans;
 }
 
 struct ReferenceRun {
   Crossing stroke;
   ReferenceRoll roll;
+  std::array<ReferenceThrow, 2> throws;
 };
 
 // A fault of a sense along the path of this run.
@@ -168,8 +193,10 @@ class Evaluator {
   Result<void> prepare();
   void run_reference();
   Result<RepresentationResult> evaluate_one(const Candidate& candidate);
+  void measure_bodies(const Candidate& candidate, MotionTruth& motion) const;
   void measure_cost(const Candidate& candidate, RepresentationResult& result) const;
   void measure_reference_error();
+  void measure_body_error();
   void recommend();
   void report(double done, const std::string& what) {
     if (out_.options.progress) out_.options.progress(done, what);
@@ -206,8 +233,11 @@ Result<void> Evaluator::prepare() {
 void Evaluator::run_reference() {
   for (std::size_t k = 0; k < plans_.size(); ++k) {
     report(0.05 + 0.2 * double(k) / double(plans_.size()), fmt::format("reference, run {}", k + 1));
+    const RunPlan& plan = plans_[k];
     references_.push_back(
-        {reference_stroke(*subject_, plans_[k].stroke), reference_roll(*subject_, plans_[k].roll)});
+        {reference_stroke(*subject_, plan.stroke),
+         reference_roll(*subject_, plan.roll),
+         {reference_throw(*subject_, plan.throws[0]), reference_throw(*subject_, plan.throws[1])}});
   }
 }
 
@@ -242,6 +272,25 @@ void Evaluator::measure_reference_error() {
     }
   }
   out_.reference_error.motion_mm = off.measured().value;
+  measure_body_error();
+  Runs share;
+  for (std::size_t k = 0; k < plans_.size(); ++k)
+    share.add(
+        reference_energy_rise(*subject_, references_[k].roll.states.front(), plans_[k].roll.seconds).share);
+  out_.reference_error.gained_share = share.measured().value;
+}
+
+// Boxes and hulls, by half the rate.
+void Evaluator::measure_body_error() {
+  Runs place, turn;
+  for (std::size_t k = 0; k < std::min<std::size_t>(references_.size(), 4); ++k)
+    for (const ReferenceThrow& reference : references_[k].throws) {
+      const ThrowError error = half_rate_error(*subject_, reference);
+      place.add(error.place_mm);
+      turn.add(error.turn);
+    }
+  out_.reference_error.body_mm = place.measured().value;
+  out_.reference_error.body_turn = turn.measured().value;
 }
 
 void add_agreement(ProbeAgreement& sum, const Agreement& run) {
@@ -295,6 +344,7 @@ Result<RepresentationResult> Evaluator::evaluate_one(const Candidate& candidate)
     sound_cost += 0.5 * (pen.sound_cost + ball.sound_cost);
   }
   result.motion = {place.measured(), height.measured(), normal.measured()};
+  measure_bodies(candidate, result.motion);
   const double side = options.subject.size;
   result.touch = {force.measured(),
                   direction.measured(),
@@ -310,6 +360,30 @@ Result<RepresentationResult> Evaluator::evaluate_one(const Candidate& candidate)
                  .sound_us = 1e6 * sound_cost / runs};
   measure_cost(candidate, result);
   return result;
+}
+
+void Evaluator::measure_bodies(const Candidate& candidate, MotionTruth& motion) const {
+  for (std::size_t kind = 0; kind < 2; ++kind) {
+    Runs place, height, turn, normal;
+    for (const ReferenceRun& reference : references_) {
+      const ThrowError error = throw_error(*subject_, candidate, reference.throws[kind]);
+      place.add(error.place_mm);
+      height.add(error.height_mm);
+      turn.add(error.turn);
+      normal.add(error.normal_angle);
+    }
+    BodyTruth& body = kind == 0 ? motion.box : motion.hull;
+    body = {place.measured(), height.measured(), turn.measured(), normal.measured()};
+  }
+  Runs gained, share;
+  for (std::size_t k = 0; k < plans_.size(); ++k) {
+    const EnergyRise rise =
+        energy_rise(*subject_, candidate, references_[k].roll.states.front(), plans_[k].roll.seconds);
+    gained.add(rise.gained_j);
+    share.add(rise.share);
+  }
+  motion.gained_j = gained.measured();
+  motion.gained_share = share.measured();
 }
 
 void Evaluator::measure_cost(const Candidate& candidate, RepresentationResult& result) const {

@@ -41,10 +41,20 @@ struct Measured {
   Interval interval;
 };
 
+// A thrown box or hull.
+struct BodyTruth {
+  Measured place_mm, height_mm;  // after 0.1 s from the reference's state, as those of the ball
+  Measured turn;                 // degrees, of the orientation, likewise
+  Measured normal_angle;         // degrees, of the deepest contact
+};
+
 struct MotionTruth {
   Measured place_mm;      // after 0.1 s from the reference's state, along the surface
   Measured height_mm;     // likewise, across it; of a representation that is drawn flat: of the flat place
   Measured normal_angle;  // degrees, of the deepest contact
+  BodyTruth box = {}, hull = {};
+  // What a ball without rolling resistance gains on its own way: J, and a share of its kinetic energy.
+  Measured gained_j = {}, gained_share = {};
 };
 
 struct TouchTruth {
@@ -97,8 +107,10 @@ struct RepresentationResult {
 };
 
 struct ReferenceError {
-  double height_um = 0;  // difference of half the grid, root mean square
-  double motion_mm = 0;  // difference of half the rate, after 0.1 s
+  double height_um = 0;               // difference of half the grid, root mean square
+  double motion_mm = 0;               // difference of half the rate, after 0.1 s
+  double body_mm = 0, body_turn = 0;  // likewise of boxes and hulls; degrees
+  double gained_share = 0;            // energy that its own ball gains, as MotionTruth's
 };
 
 struct Recommendation {

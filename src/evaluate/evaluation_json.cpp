@@ -130,11 +130,24 @@ std::string json(const PictureTruth& picture) {
       .text();
 }
 
+std::string json(const BodyTruth& body) {
+  return JsonObject()
+      .add("place_mm", body.place_mm)
+      .add("height_mm", body.height_mm)
+      .add("turn", body.turn)
+      .add("normal_angle", body.normal_angle)
+      .text();
+}
+
 std::string json(const MotionTruth& motion) {
   return JsonObject()
       .add("place_mm", motion.place_mm)
       .add("height_mm", motion.height_mm)
       .add("normal_angle", motion.normal_angle)
+      .add_json("box", json(motion.box))
+      .add_json("hull", json(motion.hull))
+      .add("gained_j", motion.gained_j)
+      .add("gained_share", motion.gained_share)
       .text();
 }
 
@@ -218,6 +231,9 @@ std::string evaluation_json(const Evaluation& evaluation) {
                        .add("what", std::string_view(evaluation.reference))
                        .add("height_um", evaluation.reference_error.height_um)
                        .add("motion_mm", evaluation.reference_error.motion_mm)
+                       .add("body_mm", evaluation.reference_error.body_mm)
+                       .add("body_turn", evaluation.reference_error.body_turn)
+                       .add("gained_share", evaluation.reference_error.gained_share)
                        .text());
   add("representations", fmt::format("{{\n{}}}", fmt::join(results, ",\n")));
   add("recommendation", json(evaluation.recommendation));

@@ -198,9 +198,25 @@ std::string truth_table(const Evaluation& evaluation) {
   table.row("FLIP", "0 to 1", [](const auto& r) { return cell(r.picture.flip); });
   using Result = RepresentationResult;
   table.group("Motion");
-  table.row("Place after 0.1 s", "mm", measured(&Result::motion, &MotionTruth::place_mm));
-  table.row("Height after 0.1 s", "mm", measured(&Result::motion, &MotionTruth::height_mm));
-  table.row("Contact normals", "degrees", measured(&Result::motion, &MotionTruth::normal_angle));
+  table.row("Ball, place after 0.1 s", "mm", measured(&Result::motion, &MotionTruth::place_mm));
+  table.row("Ball, height after 0.1 s", "mm", measured(&Result::motion, &MotionTruth::height_mm));
+  table.row("Ball, contact normals", "degrees", measured(&Result::motion, &MotionTruth::normal_angle));
+  const auto add_body = [&](const char* name, BodyTruth MotionTruth::*body) {
+    const auto of = [=](Measured BodyTruth::*value) {
+      return [=](const Result& r) { return cell(r.motion.*body.*value); };
+    };
+    const std::string heading = name;
+    table.row(heading + ", place after 0.1 s", "mm", of(&BodyTruth::place_mm));
+    table.row(heading + ", height after 0.1 s", "mm", of(&BodyTruth::height_mm));
+    table.row(heading + ", turn after 0.1 s", "degrees", of(&BodyTruth::turn));
+    table.row(heading + ", contact normals", "degrees", of(&BodyTruth::normal_angle));
+  };
+  add_body("Box", &MotionTruth::box);
+  add_body("Hull", &MotionTruth::hull);
+  table.row("Energy gained by rolling", "%", [](const auto& r) {
+    const Measured s = r.motion.gained_share;
+    return cell(Measured{100 * s.value, {100 * s.interval.low, 100 * s.interval.high}});
+  });
   table.group("Touch");
   table.row("Force", "N", measured(&Result::touch, &TouchTruth::force_n));
   table.row("Force direction", "degrees", measured(&Result::touch, &TouchTruth::direction));

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace intaglio::evaluate {
 
@@ -84,71 +83,87 @@ haptics::Penetration MeshSolid::at(const Vec3& p) const {
 
 struct MeshWorld::State {
   std::shared_ptr<const MeshFloor> floor;
-  double radius, step;
+  double step;
   btDefaultCollisionConfiguration configuration;
   btCollisionDispatcher dispatcher{&configuration};
   btDbvtBroadphase broadphase;
   btSequentialImpulseConstraintSolver solver;
   btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
-  std::unique_ptr<btSphereShape> shape;
-  std::unique_ptr<btRigidBody> ground, ball;
+  std::unique_ptr<btConvexShape> shape;
+  std::unique_ptr<btRigidBody> ground, body;
 };
 
-MeshWorld::MeshWorld(std::shared_ptr<const MeshFloor> floor, const Material& floor_material, double radius,
-                     const Material& ball, double rate)
+namespace {
+
+std::unique_ptr<btConvexShape> plain_bullet_shape(const contact::Shape& shape) {
+  if (const auto* ball = std::get_if<contact::Sphere>(&shape))
+    return std::make_unique<btSphereShape>(btScalar(ball->radius));
+  if (const auto* box = std::get_if<contact::Box>(&shape))
+    return std::make_unique<btBoxShape>(to_bullet(box->half));
+  auto hull = std::make_unique<btConvexHullShape>();
+  for (const Vec3& corner : std::get<contact::ConvexHull>(shape).form->vertices)
+    hull->addPoint(to_bullet(corner), false);
+  hull->recalcLocalAabb();
+  hull->setMargin(btScalar(1e-3 * contact::bounding_radius(shape)));  // by default 4 cm
+  return hull;
+}
+
+}  // namespace
+
+MeshWorld::MeshWorld(std::shared_ptr<const MeshFloor> floor, const Material& floor_material,
+                     const contact::Shape& shape, const Material& body, double rate)
     : state_(std::make_unique<State>()) {
   State& s = *state_;
   s.floor = std::move(floor);
-  s.radius = radius;
   s.step = 1 / rate;
   s.world.setGravity({0, btScalar(-9.81), 0});
-  const auto set = [](btRigidBody& body, const Material& material) {
-    body.setFriction(btScalar(std::sqrt(material.friction)));
-    body.setRestitution(btScalar(material.restitution));
+  const auto set = [](btRigidBody& rigid, const Material& material) {
+    rigid.setFriction(btScalar(std::sqrt(material.friction)));
+    rigid.setRestitution(btScalar(material.restitution));
   };
   btBvhTriangleMeshShape* mesh = s.floor->bullet().shape.get();
   s.ground = std::make_unique<btRigidBody>(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, mesh));
   set(*s.ground, floor_material);
   s.world.addRigidBody(s.ground.get());
-  s.shape = std::make_unique<btSphereShape>(btScalar(radius));
-  const double mass = ball.density * 4.0 / 3 * std::numbers::pi * radius * radius * radius;
-  btVector3 inertia;
-  s.shape->calculateLocalInertia(btScalar(mass), inertia);
-  s.ball = std::make_unique<btRigidBody>(
-      btRigidBody::btRigidBodyConstructionInfo(btScalar(mass), nullptr, s.shape.get(), inertia));
-  set(*s.ball, ball);
+  s.shape = plain_bullet_shape(shape);
+  const contact::MassProperties properties = contact::mass_properties(shape);
+  const double mass = body.density * properties.volume;
+  s.body = std::make_unique<btRigidBody>(btRigidBody::btRigidBodyConstructionInfo(
+      btScalar(mass), nullptr, s.shape.get(), to_bullet(body.density * properties.inertia.diagonal())));
+  set(*s.body, body);
   // Bullet multiplies it by the other body's friction. World does the same (dynamics/world_state.cpp).
-  s.ball->setRollingFriction(btScalar((ball.rolling_resistance + floor_material.rolling_resistance) * radius /
-                                      std::sqrt(floor_material.friction)));
-  s.ball->setActivationState(DISABLE_DEACTIVATION);
-  s.world.addRigidBody(s.ball.get());
+  if (const auto* ball = std::get_if<contact::Sphere>(&shape))
+    s.body->setRollingFriction(btScalar((body.rolling_resistance + floor_material.rolling_resistance) *
+                                        ball->radius / std::sqrt(floor_material.friction)));
+  s.body->setActivationState(DISABLE_DEACTIVATION);
+  s.world.addRigidBody(s.body.get());
 }
 
 MeshWorld::~MeshWorld() {
-  state_->world.removeRigidBody(state_->ball.get());
+  state_->world.removeRigidBody(state_->body.get());
   state_->world.removeRigidBody(state_->ground.get());
 }
 
 void MeshWorld::put(const BodyState& state) {
-  btRigidBody& ball = *state_->ball;
+  btRigidBody& body = *state_->body;
   const Quat& q = state.pose.orientation;
   const btTransform at(btQuaternion(btScalar(q.x()), btScalar(q.y()), btScalar(q.z()), btScalar(q.w())),
                        to_bullet(state.pose.position));
-  ball.setWorldTransform(at);
-  ball.setInterpolationWorldTransform(at);
-  ball.setLinearVelocity(to_bullet(state.velocity));
-  ball.setAngularVelocity(to_bullet(state.angular_velocity));
-  ball.clearForces();
-  state_->world.getBroadphase()->getOverlappingPairCache()->cleanProxyFromPairs(ball.getBroadphaseHandle(),
+  body.setWorldTransform(at);
+  body.setInterpolationWorldTransform(at);
+  body.setLinearVelocity(to_bullet(state.velocity));
+  body.setAngularVelocity(to_bullet(state.angular_velocity));
+  body.clearForces();
+  state_->world.getBroadphase()->getOverlappingPairCache()->cleanProxyFromPairs(body.getBroadphaseHandle(),
                                                                                 &state_->dispatcher);
 }
 
 BodyState MeshWorld::state() const {
-  const btTransform& at = state_->ball->getWorldTransform();
+  const btTransform& at = state_->body->getWorldTransform();
   const btQuaternion q = at.getRotation();
   return {{from_bullet(at.getOrigin()), Quat(double(q.w()), double(q.x()), double(q.y()), double(q.z()))},
-          from_bullet(state_->ball->getLinearVelocity()),
-          from_bullet(state_->ball->getAngularVelocity())};
+          from_bullet(state_->body->getLinearVelocity()),
+          from_bullet(state_->body->getAngularVelocity())};
 }
 
 void MeshWorld::step() {
@@ -159,15 +174,15 @@ std::vector<TouchPoint> MeshWorld::touches() const {
   std::vector<TouchPoint> out;
   for (int k = 0; k < state_->dispatcher.getNumManifolds(); ++k) {
     const btPersistentManifold& manifold = *state_->dispatcher.getManifoldByIndexInternal(k);
-    const bool is_ball_first = manifold.getBody0() == state_->ball.get();
-    const double sign = is_ball_first ? 1 : -1;
+    const bool is_body_first = manifold.getBody0() == state_->body.get();
+    const double sign = is_body_first ? 1 : -1;
     for (int c = 0; c < manifold.getNumContacts(); ++c) {
       const btManifoldPoint& point = manifold.getContactPoint(c);
       if (!(double(point.m_appliedImpulse) > 0)) continue;
       const Vec3 impulse = double(point.m_appliedImpulse) * from_bullet(point.m_normalWorldOnB) +
                            double(point.m_appliedImpulseLateral1) * from_bullet(point.m_lateralFrictionDir1) +
                            double(point.m_appliedImpulseLateral2) * from_bullet(point.m_lateralFrictionDir2);
-      out.push_back({from_bullet(is_ball_first ? point.getPositionWorldOnB() : point.getPositionWorldOnA()),
+      out.push_back({from_bullet(is_body_first ? point.getPositionWorldOnB() : point.getPositionWorldOnA()),
                      sign * from_bullet(point.m_normalWorldOnB), sign * impulse});
     }
   }
@@ -179,7 +194,7 @@ std::vector<Vec3> MeshWorld::normals() {
   std::vector<std::pair<double, Vec3>> found;
   for (int k = 0; k < state_->dispatcher.getNumManifolds(); ++k) {
     const btPersistentManifold& manifold = *state_->dispatcher.getManifoldByIndexInternal(k);
-    const double sign = manifold.getBody0() == state_->ball.get() ? 1 : -1;
+    const double sign = manifold.getBody0() == state_->body.get() ? 1 : -1;
     for (int c = 0; c < manifold.getNumContacts(); ++c) {
       const btManifoldPoint& point = manifold.getContactPoint(c);
       found.push_back({double(point.getDistance()), sign * from_bullet(point.m_normalWorldOnB)});

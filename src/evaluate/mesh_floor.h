@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "contact/shape.h"
 #include "evaluate/reference.h"
 #include "haptics/proxy.h"
 #include "intaglio/event.h"
@@ -70,11 +71,12 @@ struct TouchPoint {
   Vec3 impulse;        // N s, on it
 };
 
-// One ball on a mesh in a Bullet world of its own, at that many steps a second. World frame.
+// One body on a mesh in a Bullet world of its own, at that many steps a second: a ball, a box, or a hull
+// whose frame is that of its principal axes. World frame.
 class MeshWorld {
  public:
-  MeshWorld(std::shared_ptr<const MeshFloor> floor, const Material& floor_material, double radius,
-            const Material& ball, double rate);
+  MeshWorld(std::shared_ptr<const MeshFloor> floor, const Material& floor_material,
+            const contact::Shape& shape, const Material& body, double rate);
   ~MeshWorld();
 
   void put(const BodyState& state);

@@ -5,8 +5,8 @@
 #include <limits>
 #include <numbers>
 
-#include "contact/surface_contacts.h"
 #include "core/portable_math.h"
+#include "evaluate/body_truth.h"
 #include "evaluate/loudness.h"
 #include "evaluate/reference_motion.h"
 #include "evaluate/spectrum_distance.h"
@@ -82,51 +82,19 @@ MotionError motion_error(const Crossing& crossing) {
 }
 
 double normal_error(const Subject& subject, const Candidate& candidate, const ReferenceRoll& reference) {
-  const scene::Scene scene = subject.scene(candidate);
-  const scene::SceneSurface& made = subject.surface(candidate);
-  const surface::Surface& surface = *made.surface;
-  const surface::Placement& place = surface.placement();
   const double radius = subject.ball_radius();
-  const ReferenceBall truth(subject.reference(), radius, scene.balls[0].material, made.material);
-  std::optional<MeshWorld> mesh;
-  if (candidate.mesh_cells > 0)
-    mesh.emplace(subject.mesh(candidate), made.material, radius, scene.balls[0].material, scene.physics.rate);
-  const auto normal_at = [&](const Vec3& centre) -> std::optional<Vec3> {
-    // Normal maps by the paper and flat floors know the plane only.
-    const bool is_plane = candidate.kind == Kind::flat || candidate.kind == Kind::normal_paper;
-    const Pose pose{place.to_world({centre.x(), centre.y(), is_plane ? radius : centre.z()}),
-                    Quat::Identity()};
-    if (mesh) {
-      mesh->put({pose, Vec3::Zero(), Vec3::Zero()});
-      const auto normals = mesh->normals();
-      if (normals.empty()) return std::nullopt;
-      return place.direction_to_local(normals.front());
-    }
-    const double margin = 0.02 * radius;
-    const contact::Shape ball = contact::Sphere{radius};
-    const contact::ContactSet found =
-        candidate.kind == Kind::flat           ? contact::flat_contacts(surface, ball, pose, margin)
-        : candidate.kind == Kind::normal_paper ? contact::normal_map_contacts(surface, ball, pose, margin)
-        : candidate.kind == Kind::relief_paper ? contact::directional_contacts(surface, ball, pose, margin)
-                                               : contact::relief_contacts(surface, ball, pose, margin);
-    if (found.count == 0) return std::nullopt;
-    return place.direction_to_local(found.points[0].normal);
-  };
-  double sum = 0;
-  std::size_t count = 0;
+  const ReferenceBall truth(subject.reference(), radius, subject.scene(candidate).balls[0].material,
+                            subject.surface(candidate).material);
+  std::vector<Pose> poses;
+  std::vector<std::vector<Vec3>> normals;
   const auto every = std::size_t(0.05 * reference_rate);
   for (std::size_t k = every; k < reference.states.size(); k += every) {
     if (!reference.crossing.touching[k - 1]) continue;
     const Vec3& centre = reference.states[k].pose.position;
-    const std::vector<Vec3> normals = truth.normals_at(centre);
-    if (normals.empty()) continue;
-    double off = 90;
-    if (const auto normal = normal_at(centre))
-      for (const Vec3& true_normal : normals) off = std::min(off, angle(*normal, true_normal));
-    sum += off;
-    ++count;
+    poses.push_back({centre, Quat::Identity()});
+    normals.push_back(truth.normals_at(centre));
   }
-  return count > 0 ? sum / double(count) : std::numeric_limits<double>::quiet_NaN();
+  return contact_normal_error(subject, candidate, contact::Sphere{radius}, poses, normals);
 }
 
 SoundError sound_error(const Crossing& crossing, const Crossing& reference) {

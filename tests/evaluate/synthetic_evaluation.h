@@ -76,6 +76,12 @@ inline evaluate::RepresentationResult invented_result(const evaluate::Candidate&
   const double e = how.error;
   r.picture = {12 * e, 31 * e, 0.04 * e, 0.21 * e, std::size_t(5e6 * (1 + e))};
   r.motion = {invented_measure(2.3 * e), invented_measure(0.6 * e), invented_measure(24 * e)};
+  r.motion.box = {invented_measure(1.7 * e), invented_measure(0.9 * e), invented_measure(7 * e),
+                  invented_measure(18 * e)};
+  r.motion.hull = {invented_measure(1.4 * e), invented_measure(0.8 * e), invented_measure(9 * e),
+                   invented_measure(15 * e)};
+  r.motion.gained_j = invented_measure(0.002 * e);
+  r.motion.gained_share = invented_measure(0.04 * e);
   r.touch = {invented_measure(0.35 * e), invented_measure(28 * e), 0.4 * e - 0.05,
              invented_measure(0.06 * e), invented_measure(9 * e),  invented_measure(2.5 * e)};
   r.sound = {invented_measure(8 * e), invented_measure(3 * e)};
@@ -101,7 +107,7 @@ inline evaluate::Evaluation synthetic_evaluation(const std::string& texture = "a
   out.options.quick = true;
   out.depth = 0.0123;
   out.reference = "a synthetic reference that nobody measured";
-  out.reference_error = {1.4, 0.021};
+  out.reference_error = {1.4, 0.021, 0.33, 0.8, 0.0003};
   out.notes = {"synthetic: all values are invented"};
   out.seconds = 41.7;
   constexpr Invented how[] = {{0, 0, 0.001, 0, 0, 1},
