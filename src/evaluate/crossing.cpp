@@ -293,7 +293,7 @@ ReferenceRoll reference_roll(const Subject& subject, const RollOptions& options)
                      subject.surface(ours).material);
   const double z = subject.reference().rest_on(options.from, radius).z;
   const Vec3 velocity(options.velocity.x(), options.velocity.y(), 0);
-  ball.put({{{options.from.x(), options.from.y(), z + radius}, Quat::Identity()},
+  ball.put({{{options.from.x(), options.from.y(), z + radius + options.drop}, Quat::Identity()},
             velocity,
             Vec3::UnitZ().cross(velocity) / radius});
   ReferenceRoll out;
@@ -338,7 +338,7 @@ Crossing roll(const Subject& subject, const Candidate& candidate, const RollOpti
   const bool is_relief = candidate.representation == Representation::relief;
   const auto restart_from = [&](BodyState state) {
     if (!is_relief) {
-      state.pose.position.z() = radius;
+      state.pose.position.z() = radius + options.drop;
       state.velocity.z() = 0;
     }
     const Quat frame = Quat(Mat3((Mat3() << place.t(), place.b(), place.n()).finished()));

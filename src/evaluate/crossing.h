@@ -57,8 +57,9 @@ struct RollOptions {
   Vec2 velocity = Vec2::Zero();  // m/s
   double seconds = 1;
   double restart = 0.1;  // s, after which a candidate's ball starts again from the reference's state
+  double drop = 0;       // m above the relief at which it starts
 };
-// A ball on the reference that is set down rolling, and the state after every 1 / reference_rate s; no
+// A ball on the reference that is set down rolling, or dropped, and the state after every 1 / reference_rate s; no
 // sound.
 struct ReferenceRoll {
   Crossing crossing;

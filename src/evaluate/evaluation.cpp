@@ -20,7 +20,7 @@ namespace {
 // The runs of a seed: the same for all representations.
 struct RunPlan {
   StrokeOptions stroke;
-  RollOptions roll;
+  RollOptions roll, strike;
   std::array<ThrowOptions, 2> throws;  // a box and a hull
 };
 
@@ -73,14 +73,19 @@ std::vector<RunPlan> plan_runs(const EvaluateOptions& options) {
   }
   // From a stream of their own, so that strokes and rolls do not depend on them.
   Random tumbling(options.seed ^ 0x7468726f77ull);
-  for (RunPlan& plan : plans)
+  for (RunPlan& plan : plans) {
+    plan.strike.from = side * Vec2(tumbling.uniform(0.3, 0.7), 0.5);
+    plan.strike.drop = 0.1 * side;
+    plan.strike.seconds = 0.5 * std::sqrt(side);
+    plan.strike.restart = 1e6;  // never
     plan.throws = {plan_throw(BodyKind::box, side, tumbling), plan_throw(BodyKind::hull, side, tumbling)};
+  }
   return plans;
 }
 
 struct ReferenceRun {
   Crossing stroke;
-  ReferenceRoll roll;
+  ReferenceRoll roll, strike;
   std::array<ReferenceThrow, 2> throws;
 };
 
@@ -181,6 +186,28 @@ class Runs {
   std::vector<double> values_;
 };
 
+class SoundRuns {
+ public:
+  void add(const SoundError& error) {
+    spectrum_.add(error.spectrum_db);
+    loudness_.add(error.loudness_sone);
+    onsets_.wanted += error.onsets.wanted;
+    onsets_.missed += error.onsets.missed;
+    onsets_.false_alarms += error.onsets.false_alarms;
+    for (const double late : error.onsets.late_ms) late_.add(std::abs(late));
+    intervals_.add(error.intervals_ms);
+    decay_.add(error.decay);
+  }
+  SoundsTruth truth() const {
+    return {spectrum_.measured(), loudness_.measured(), onsets_.wanted,        onsets_.missed,
+            onsets_.false_alarms, late_.measured(),     intervals_.measured(), decay_.measured()};
+  }
+
+ private:
+  Runs spectrum_, loudness_, late_, intervals_, decay_;
+  OnsetMatch onsets_;
+};
+
 class Evaluator {
  public:
   explicit Evaluator(const EvaluateOptions& options) : faults_(options.faults, options) {
@@ -206,6 +233,7 @@ class Evaluator {
   Faults faults_;
   std::optional<Subject> subject_;
   std::vector<RunPlan> plans_;
+  std::vector<Drop> drops_;
   std::vector<ReferenceRun> references_;
   std::optional<PictureReference> pictures_;
 };
@@ -224,6 +252,7 @@ Result<void> Evaluator::prepare() {
                                                    options.subject.grid)
                                      : "the bicubic field of the fused height: an image has no other truth";
   plans_ = plan_runs(options);
+  drops_ = plan_drops(options.seed, options.drops(), options.subject.size);
   auto pictures = PictureReference::make(*subject_, options.quick ? 256 : 480);
   if (!pictures) return tl::unexpected(pictures.error());
   pictures_.emplace(std::move(*pictures));
@@ -237,6 +266,7 @@ void Evaluator::run_reference() {
     references_.push_back(
         {reference_stroke(*subject_, plan.stroke),
          reference_roll(*subject_, plan.roll),
+         reference_roll(*subject_, plan.strike),
          {reference_throw(*subject_, plan.throws[0]), reference_throw(*subject_, plan.throws[1])}});
   }
 }
@@ -309,7 +339,9 @@ Result<RepresentationResult> Evaluator::evaluate_one(const Candidate& candidate)
   auto picture = measure_picture(*subject_, candidate, *sight, *pictures_);
   if (!picture) return tl::unexpected(picture.error());
   result.picture = *picture;
-  Runs place, height, normal, force, direction, buzz, bands, steps, spectrum, loudness;
+  Runs place, height, normal, force, direction, buzz, bands, steps, spectrum, loudness, pacinian,
+      non_pacinian;
+  SoundRuns striking, scraping, rolling;
   double touch_cost = 0, motion_cost = 0, sound_cost = 0;
   for (std::size_t k = 0; k < plans_.size(); ++k) {
     const ReferenceRun& reference = references_[k];
@@ -330,15 +362,22 @@ Result<RepresentationResult> Evaluator::evaluate_one(const Candidate& candidate)
     buzz.add(touch.buzz_n);
     bands.add(touch.bands_db);
     steps.add(touch.intensity_steps);
+    pacinian.add(touch.pacinian_steps);
+    non_pacinian.add(touch.non_pacinian_steps);
     const MotionError motion = motion_error(ball);
     place.add(motion.place_mm);
     height.add(motion.height_mm);
     normal.add(normal_error(*subject_, candidate, reference.roll));
-    for (const auto& [one, truth] : {std::pair(&pen, &reference.stroke), {&ball, &reference.roll.crossing}}) {
-      const SoundError sound = sound_error(*one, *truth);
-      spectrum.add(sound.spectrum_db);
-      loudness.add(sound.loudness_sone);
+    const SoundError scraped = sound_error(pen, reference.stroke);
+    const SoundError rolled = sound_error(ball, reference.roll.crossing);
+    for (const SoundError* sound : {&scraped, &rolled}) {
+      spectrum.add(sound->spectrum_db);
+      loudness.add(sound->loudness_sone);
     }
+    scraping.add(scraped);
+    rolling.add(rolled);
+    striking.add(sound_error(roll(*subject_, candidate, plans_[k].strike, reference.strike),
+                             reference.strike.crossing));
     touch_cost += pen.touch_cost;
     motion_cost += ball.motion_cost;
     sound_cost += 0.5 * (pen.sound_cost + ball.sound_cost);
@@ -351,8 +390,11 @@ Result<RepresentationResult> Evaluator::evaluate_one(const Candidate& candidate)
                   1000 * loop_energy(*subject_, candidate, {0.5 * side, 0.5 * side}, 0.05 * side),
                   buzz.measured(),
                   bands.measured(),
-                  steps.measured()};
-  result.sound = {spectrum.measured(), loudness.measured()};
+                  steps.measured(),
+                  pacinian.measured(),
+                  non_pacinian.measured()};
+  result.sound = {spectrum.measured(), loudness.measured(), striking.truth(), scraping.truth(),
+                  rolling.truth()};
   const auto runs = double(plans_.size());
   result.cost = {.picture_ms = 1000 * sight->cost(),
                  .motion_us = 1e6 * motion_cost / runs,
@@ -382,6 +424,14 @@ void Evaluator::measure_bodies(const Candidate& candidate, MotionTruth& motion) 
     gained.add(rise.gained_j);
     share.add(rise.share);
   }
+  Runs height, tilt, creep;
+  const std::vector<RestOfBody> dropped = rests(*subject_, candidate, drops_);
+  for (const RestOfBody& rest : dropped) {
+    height.add(std::abs(rest.height_mm));
+    tilt.add(rest.tilt);
+    creep.add(rest.creep_mm);
+  }
+  motion.rest = {rest_statistics(dropped), height.measured(), tilt.measured(), creep.measured()};
   motion.gained_j = gained.measured();
   motion.gained_share = share.measured();
 }

@@ -16,6 +16,7 @@
 #include "core/bootstrap.h"
 #include "evaluate/agreement.h"
 #include "evaluate/picture_truth.h"
+#include "evaluate/resting.h"
 #include "evaluate/subject.h"
 #include "evaluate/vibration.h"
 #include "scene/cues.h"
@@ -32,6 +33,7 @@ struct EvaluateOptions {
 
   std::optional<int> wanted_runs;  // of each probe; unset: 4 of a quick one, otherwise 20
 
+  int drops() const { return quick ? 18 : 102; }  // bodies that are dropped, whatever wanted_runs
   int runs() const { return wanted_runs.value_or(quick ? 4 : 20); }
 };
 
@@ -48,6 +50,12 @@ struct BodyTruth {
   Measured normal_angle;         // degrees, of the deepest contact
 };
 
+// Dropped balls, boxes and hulls after 3 s (resting.h).
+struct RestTruth {
+  RestStatistics all;
+  Measured height_mm, tilt, creep_mm;  // of those at rest
+};
+
 struct MotionTruth {
   Measured place_mm;      // after 0.1 s from the reference's state, along the surface
   Measured height_mm;     // likewise, across it; of a representation that is drawn flat: of the flat place
@@ -55,6 +63,7 @@ struct MotionTruth {
   BodyTruth box = {}, hull = {};
   // What a ball without rolling resistance gains on its own way: J, and a share of its kinetic energy.
   Measured gained_j = {}, gained_share = {};
+  RestTruth rest = {};
 };
 
 struct TouchTruth {
@@ -64,11 +73,22 @@ struct TouchTruth {
   Measured buzz_n;            // force above 100 Hz beyond the reference's
   Measured bands_db;          // distance of the energies in nine vibration bands
   Measured intensity_steps;   // just noticeable steps between the intensities of vibration
+  Measured pacinian_steps = {}, non_pacinian_steps = {};  // likewise, of each channel
+};
+
+// The sounds of one way of touching.
+struct SoundsTruth {
+  Measured spectrum_db;                                  // log-spectral distance, gain ignored
+  Measured loudness_sone;                                // loudness distance
+  std::size_t onsets = 0, missed = 0, false_alarms = 0;  // of the reference; over all runs
+  Measured late_ms;                                      // of matched onsets, absolute
+  Measured intervals_ms;                                 // between the trains of impulses
+  Measured decay;  // mean of |ln(T1 / T2)| over third octaves; 0.05 is noticed
 };
 
 struct SoundTruth {
-  Measured spectrum_db;    // log-spectral distance, gain ignored
-  Measured loudness_sone;  // loudness distance
+  Measured spectrum_db, loudness_sone;  // scraping and rolling together
+  SoundsTruth striking = {}, scraping = {}, rolling = {};
 };
 
 struct Cost {

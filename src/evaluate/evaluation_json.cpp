@@ -139,6 +139,17 @@ std::string json(const BodyTruth& body) {
       .text();
 }
 
+std::string json(const RestTruth& rest) {
+  return JsonObject()
+      .add("bodies", rest.all.bodies)
+      .add("at_rest", rest.all.at_rest)
+      .add("height_mm", rest.height_mm)
+      .add("tilt", rest.tilt)
+      .add("sunk", rest.all.sunk)
+      .add("creep_mm", rest.creep_mm)
+      .text();
+}
+
 std::string json(const MotionTruth& motion) {
   return JsonObject()
       .add("place_mm", motion.place_mm)
@@ -148,6 +159,7 @@ std::string json(const MotionTruth& motion) {
       .add_json("hull", json(motion.hull))
       .add("gained_j", motion.gained_j)
       .add("gained_share", motion.gained_share)
+      .add_json("rest", json(motion.rest))
       .text();
 }
 
@@ -159,11 +171,32 @@ std::string json(const TouchTruth& touch) {
       .add("buzz_n", touch.buzz_n)
       .add("bands_db", touch.bands_db)
       .add("intensity_steps", touch.intensity_steps)
+      .add("pacinian_steps", touch.pacinian_steps)
+      .add("non_pacinian_steps", touch.non_pacinian_steps)
+      .text();
+}
+
+std::string json(const SoundsTruth& sounds) {
+  return JsonObject()
+      .add("spectrum_db", sounds.spectrum_db)
+      .add("loudness_sone", sounds.loudness_sone)
+      .add("onsets", sounds.onsets)
+      .add("missed", sounds.missed)
+      .add("false_alarms", sounds.false_alarms)
+      .add("late_ms", sounds.late_ms)
+      .add("intervals_ms", sounds.intervals_ms)
+      .add("decay", sounds.decay)
       .text();
 }
 
 std::string json(const SoundTruth& sound) {
-  return JsonObject().add("spectrum_db", sound.spectrum_db).add("loudness_sone", sound.loudness_sone).text();
+  return JsonObject()
+      .add("spectrum_db", sound.spectrum_db)
+      .add("loudness_sone", sound.loudness_sone)
+      .add_json("striking", json(sound.striking))
+      .add_json("scraping", json(sound.scraping))
+      .add_json("rolling", json(sound.rolling))
+      .text();
 }
 
 std::string cost_json(const RepresentationResult& result) {

@@ -182,6 +182,45 @@ void add_probe(ComparisonTable& table, const Evaluation& evaluation,
 
 }  // namespace
 
+Cell percent_cell(double fraction) {
+  return cell(100 * fraction);
+}
+
+// A share that did not rest is not an error by itself: it says how many the rows below are of.
+void add_rest(ComparisonTable& table) {
+  const auto of = [](Measured RestTruth::*value) {
+    return [=](const RepresentationResult& r) { return cell(r.motion.rest.*value); };
+  };
+  table.row(
+      "Rest, bodies that do", "% after 3 s",
+      [](const auto& r) {
+        return Cell{r.motion.rest.all.at_rest, percent_cell(r.motion.rest.all.at_rest).text,
+                    fmt::format("of {}", r.motion.rest.all.bodies)};
+      },
+      Best::none);
+  table.row("Rest, height", "mm", of(&RestTruth::height_mm));
+  table.row("Rest, tilt", "degrees, boxes and hulls", of(&RestTruth::tilt));
+  table.row("Rest, sunk over 1 mm", "%", [](const auto& r) { return percent_cell(r.motion.rest.all.sunk); });
+  table.row("Rest, creep", "mm in 0.5 s", of(&RestTruth::creep_mm));
+}
+
+void add_sounds(ComparisonTable& table, const std::string& name, SoundsTruth SoundTruth::*sounds) {
+  const auto of = [=](Measured SoundsTruth::*value) {
+    return [=](const RepresentationResult& r) { return cell(r.sound.*sounds.*value); };
+  };
+  table.row(name + ", onsets", "missed + false", [=](const RepresentationResult& r) {
+    const SoundsTruth& s = r.sound.*sounds;
+    return Cell{double(s.missed + s.false_alarms), fmt::format("{} + {}", s.missed, s.false_alarms),
+                fmt::format("of {}", s.onsets)};
+  });
+  table.row(name + ", onsets apart", "ms", of(&SoundsTruth::late_ms));
+  table.row(name + ", intervals", "ms", of(&SoundsTruth::intervals_ms));
+  table.row(name + ", decay", "|ln T1/T2|, noticed from 0.05", of(&SoundsTruth::decay));
+  if (sounds != &SoundTruth::striking) return;
+  table.row(name + ", spectrum", "dB, gain ignored", of(&SoundsTruth::spectrum_db));
+  table.row(name + ", loudness", "sone", of(&SoundsTruth::loudness_sone));
+}
+
 std::string truth_table(const Evaluation& evaluation) {
   ComparisonTable table(
       evaluation,
@@ -217,6 +256,7 @@ std::string truth_table(const Evaluation& evaluation) {
     const Measured s = r.motion.gained_share;
     return cell(Measured{100 * s.value, {100 * s.interval.low, 100 * s.interval.high}});
   });
+  add_rest(table);
   table.group("Touch");
   table.row("Force", "N", measured(&Result::touch, &TouchTruth::force_n));
   table.row("Force direction", "degrees", measured(&Result::touch, &TouchTruth::direction));
@@ -224,6 +264,9 @@ std::string truth_table(const Evaluation& evaluation) {
   table.row("Vibration spectrum", "dB, nine bands", measured(&Result::touch, &TouchTruth::bands_db));
   table.row("Vibration intensity", "noticeable steps",
             measured(&Result::touch, &TouchTruth::intensity_steps));
+  table.row("Pacinian channel", "noticeable steps", measured(&Result::touch, &TouchTruth::pacinian_steps));
+  table.row("Non-Pacinian channel", "noticeable steps",
+            measured(&Result::touch, &TouchTruth::non_pacinian_steps));
   // A loop that takes energy from the hand is as good as any other that does.
   table.row("Energy of a closed loop", "mJ, passive up to 0", [](const auto& r) {
     const double energy = r.touch.loop_energy_mj;
@@ -232,6 +275,9 @@ std::string truth_table(const Evaluation& evaluation) {
   table.group("Sound");
   table.row("Spectrum", "dB, gain ignored", measured(&Result::sound, &SoundTruth::spectrum_db));
   table.row("Loudness", "sone", measured(&Result::sound, &SoundTruth::loudness_sone));
+  add_sounds(table, "Striking", &SoundTruth::striking);
+  add_sounds(table, "Scraping", &SoundTruth::scraping);
+  add_sounds(table, "Rolling", &SoundTruth::rolling);
   return table.finish();
 }
 

@@ -149,7 +149,7 @@ void MeshWorld::put(const BodyState& state) {
   const Quat& q = state.pose.orientation;
   const btTransform at(btQuaternion(btScalar(q.x()), btScalar(q.y()), btScalar(q.z()), btScalar(q.w())),
                        to_bullet(state.pose.position));
-  body.setWorldTransform(at);
+  body.setCenterOfMassTransform(at);
   body.setInterpolationWorldTransform(at);
   body.setLinearVelocity(to_bullet(state.velocity));
   body.setAngularVelocity(to_bullet(state.angular_velocity));

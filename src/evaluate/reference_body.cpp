@@ -190,8 +190,9 @@ void ReferenceBody::prepare(bool bounces) {
     c.wanted = std::min(0.0, -c.gap / dt_);
     if (bounces && closing > weight_speed + std::max(c.gap, 0.0) / dt_)
       c.wanted = std::max(c.wanted, restitution_ * closing);
-    c.along = c.normal.unitOrthogonal();
-    c.across = c.normal.cross(c.along);
+    // One value for both directions, or friction would not be opposite to slip; this bounds the larger one.
+    const Vec3 along = c.normal.unitOrthogonal();
+    c.yielding = mobility(c.arm, along) + mobility(c.arm, c.normal.cross(along)) - 1 / mass_;
     c.normal_impulse = 0;
     c.friction_impulse = Vec3::Zero();
   }
@@ -212,8 +213,7 @@ void ReferenceBody::iterate() {
       push(c, (sum - c.normal_impulse) * c.normal);
       c.normal_impulse = sum;
       const Vec3 slip = speed_at(c);
-      Vec3 friction = c.friction_impulse - slip.dot(c.along) / mobility(c.arm, c.along) * c.along -
-                      slip.dot(c.across) / mobility(c.arm, c.across) * c.across;
+      Vec3 friction = c.friction_impulse - (slip - slip.dot(c.normal) * c.normal) / c.yielding;
       const double most = friction_ * c.normal_impulse;
       if (friction.norm() > most) friction *= most / friction.norm();
       push(c, friction - c.friction_impulse);

@@ -61,7 +61,7 @@ class ReferenceBody {
     double gap;         // m
     double wanted = 0;  // least normal velocity, m/s
     double normal_impulse = 0;
-    Vec3 along = Vec3::Zero(), across = Vec3::Zero();  // unit, the plane of friction
+    double yielding = 0;  // speed that friction changes by, m/s per N s
     Vec3 friction_impulse = Vec3::Zero();
   };
   std::vector<Contact> find_contacts(const Pose& pose, double margin) const;

@@ -63,9 +63,12 @@ TouchError touch_error(const Crossing& crossing, const Crossing& reference) {
   out.bands_db =
       band_distance(vibration_energy(felt, crossing.rate), vibration_energy(wanted, crossing.rate));
   const auto intensity = [&](const std::vector<double>& force) {
-    return vibration_intensity(displacement_of_force(force), crossing.rate).felt();
+    return vibration_intensity(displacement_of_force(force), crossing.rate);
   };
-  out.intensity_steps = intensity_steps(intensity(felt), intensity(wanted));
+  const VibrationIntensity strong = intensity(felt), true_strong = intensity(wanted);
+  out.intensity_steps = intensity_steps(strong.felt(), true_strong.felt());
+  out.pacinian_steps = intensity_steps(strong.pacinian, true_strong.pacinian);
+  out.non_pacinian_steps = intensity_steps(strong.non_pacinian, true_strong.non_pacinian);
   return out;
 }
 
@@ -99,8 +102,12 @@ double normal_error(const Subject& subject, const Candidate& candidate, const Re
 
 SoundError sound_error(const Crossing& crossing, const Crossing& reference) {
   const auto loudness = [](const Crossing& of) { return loudness_over_time(of.sound, of.sample_rate); };
-  return {log_spectral_distance(crossing.sound, reference.sound, crossing.sample_rate, {.ignore_gain = true}),
-          loudness_distance(loudness(crossing), loudness(reference))};
+  const double rate = crossing.sample_rate;
+  return {log_spectral_distance(crossing.sound, reference.sound, rate, {.ignore_gain = true}),
+          loudness_distance(loudness(crossing), loudness(reference)),
+          match_onsets(crossing.sound, reference.sound, rate),
+          interval_distance(impulses(crossing.sound, rate), impulses(reference.sound, rate)),
+          decay_difference(decay_times(crossing.sound, rate), decay_times(reference.sound, rate))};
 }
 
 }  // namespace intaglio::evaluate

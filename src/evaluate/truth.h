@@ -3,6 +3,7 @@
 #pragma once
 
 #include "evaluate/crossing.h"
+#include "evaluate/sound_events.h"
 
 namespace intaglio::evaluate {
 
@@ -12,6 +13,7 @@ struct TouchError {
   double buzz_n = 0;           // force faster than 100 Hz, root mean square, beyond the reference's
   double bands_db = 0;         // of the energies in nine vibration bands
   double intensity_steps = 0;  // just noticeable steps between the intensities of vibration
+  double pacinian_steps = 0, non_pacinian_steps = 0;  // likewise, of each channel
 };
 TouchError touch_error(const Crossing& crossing, const Crossing& reference);
 
@@ -26,6 +28,9 @@ double normal_error(const Subject& subject, const Candidate& candidate, const Re
 
 struct SoundError {
   double spectrum_db = 0, loudness_sone = 0;
+  OnsetMatch onsets;
+  double intervals_ms = 0;  // between the trains of impulses; not a number where there is none
+  double decay = 0;         // mean of |ln(T1 / T2)| over third octaves; not a number where nothing decays
 };
 SoundError sound_error(const Crossing& crossing, const Crossing& reference);
 

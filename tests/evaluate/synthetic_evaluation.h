@@ -84,7 +84,23 @@ inline evaluate::RepresentationResult invented_result(const evaluate::Candidate&
   r.motion.gained_share = invented_measure(0.04 * e);
   r.touch = {invented_measure(0.35 * e), invented_measure(28 * e), 0.4 * e - 0.05,
              invented_measure(0.06 * e), invented_measure(9 * e),  invented_measure(2.5 * e)};
-  r.sound = {invented_measure(8 * e), invented_measure(3 * e)};
+  r.touch.pacinian_steps = invented_measure(2.1 * e);
+  r.touch.non_pacinian_steps = invented_measure(1.2 * e);
+  r.motion.rest.all = {102, 1 - 0.3 * e, 1.1 * e, 2.5 * e, 0.2 * e, 0.05 * e};
+  r.motion.rest.height_mm = invented_measure(1.1 * e);
+  r.motion.rest.tilt = invented_measure(2.5 * e);
+  r.motion.rest.creep_mm = invented_measure(0.05 * e);
+  const auto sounds = [&](double more) {
+    return evaluate::SoundsTruth{invented_measure(7 * e * more),
+                                 invented_measure(2 * e * more),
+                                 40,
+                                 std::size_t(12 * e),
+                                 std::size_t(9 * e * more),
+                                 invented_measure(4 * e * more),
+                                 invented_measure(6 * e),
+                                 invented_measure(0.2 * e * more)};
+  };
+  r.sound = {invented_measure(8 * e), invented_measure(3 * e), sounds(1), sounds(2), sounds(1.5)};
   r.cost = {40 + 90 * (1 - e), 22, 14.5, 61, std::size_t(8e6 * (1 + e)), 0.8};
   const auto add = [&](evaluate::ProbeAgreement& to, const evaluate::Traces& traces) {
     const evaluate::Agreement run = evaluate::measure_agreement(traces, thresholds);

@@ -126,6 +126,11 @@ TEST_CASE(
   CHECK(box.state().pose.position.x() - 0.3 ==
         doctest::Approx(speed * speed / (2 * mu * gravity)).epsilon(0.002));
   CHECK(stopped == doctest::Approx(speed / (mu * gravity)).epsilon(0.005));
+  // Friction is opposite to slip, so that an oblique slide is straight and does not turn the box.
+  box.put({{{0.3, 0.5, low.z()}, Quat::Identity()}, {speed, 0.2, 0}, Vec3::Zero()});
+  run(box, 0.1);
+  CHECK(box.state().velocity.y() / box.state().velocity.x() == doctest::Approx(0.2 / speed).epsilon(0.01));
+  CHECK(std::abs(box.state().angular_velocity.z()) < 0.03);
 }
 
 TEST_CASE("Boxes and hulls on reliefs gain no energy and sink nowhere") {
