@@ -15,10 +15,28 @@ namespace intaglio::evaluate {
 namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-constexpr double drop_seconds = 3, creep_seconds = 0.5, settle_seconds = 0.15;
+constexpr double span_seconds = 0.5, settle_seconds = 0.15;
+constexpr int spans = 6;
 
-bool is_still(const BodyState& state) {
-  return state.velocity.norm() < 0.005 && state.angular_velocity.norm() < 0.1;
+// How far a body moves in a span.
+struct Way {
+  double metres = 0, turn = 0;  // rad
+};
+Way way_between(const Pose& a, const Pose& b) {
+  const double half = std::abs((a.orientation.conjugate() * b.orientation).normalized().w());
+  return {(b.position - a.position).norm(), 2 * elementary::acos(std::min(1.0, half))};
+}
+
+// Runs until the body hardly moves or 3 s are over; the way of the last span.
+Way run_to_rest(BodyWorld& world) {
+  Way way;
+  for (int span = 0; span < spans; ++span) {
+    const Pose before = world.state().pose;
+    for (std::int64_t step = 0; step < std::int64_t(span_seconds * world.rate()); ++step) world.step();
+    way = way_between(before, world.state().pose);
+    if (way.metres < 5e-5 && way.turn < 1e-3) break;
+  }
+  return way;
 }
 
 // Where the body lies compared with where it would on the reference.
@@ -71,24 +89,18 @@ std::vector<RestOfBody> rests(const Subject& subject, const Candidate& candidate
     if (kind != BodyKind::ball)
       truth.emplace(subject.reference(), body_form(shape), body_material(),
                     subject.surface(candidate).material);
-    const auto steps = std::int64_t(drop_seconds * world.rate());
-    const auto creep_from = steps - std::int64_t(creep_seconds * world.rate());
     for (std::size_t k = 0; k < drops.size(); ++k) {
       if (drops[k].kind != kind) continue;
       world.put(drops[k].start);
-      Vec3 before = Vec3::Zero();
-      for (std::int64_t step = 0; step < steps; ++step) {
-        if (step == creep_from) before = world.state().pose.position;
-        world.step();
-      }
+      const Way way = run_to_rest(world);
       const BodyState state = world.state();
       RestOfBody& rest = out[k];
       rest = {kind, false, unknown, unknown, unknown, unknown};
       const Vec3& at = state.pose.position;
       const bool is_inside = at.x() > 0 && at.y() > 0 && at.x() < size && at.y() < size && at.z() > -size;
-      rest.at_rest = is_inside && is_still(state);
+      rest.at_rest = is_inside && way.metres < 0.005 * span_seconds && way.turn < 0.1 * span_seconds;
       if (!rest.at_rest) continue;
-      rest.creep_mm = 1000 * (at - before).norm();
+      rest.creep_mm = 1000 * way.metres;
       if (truth) {
         compare_body(*truth, state, rest);
       } else {

@@ -1,5 +1,5 @@
-// How bodies come to rest on a representation: dropped balls, boxes and hulls after three seconds, beside how
-// they rest on the reference.
+// How bodies come to rest on a representation: dropped balls, boxes and hulls, beside how they rest on the
+// reference. A body is watched in spans of half a second, for three seconds, or until it hardly moves in one.
 //
 // A ball's true rest is the dilation of the relief by it (Reference::rest_on); a box's or hull's is where the
 // reference's body settles within 0.15 s from the pose at which the candidate's lies. Bodies are alone in
@@ -22,13 +22,14 @@ std::vector<Drop> plan_drops(std::uint64_t seed, int count, double size);
 
 struct RestOfBody {
   BodyKind kind = BodyKind::ball;
-  bool at_rest =
-      false;  // after 3 s: slower than 5 mm/s, turns slower than 0.1 rad/s, and is still on the surface
+  // In the last half second it moves by less than 5 mm/s and turns by less than 0.1 rad/s, on average: engines
+  // report speeds that no body moves at. And it is still on the surface.
+  bool at_rest = false;
   // Of those at rest; not numbers for others.
   double height_mm = 0;   // above the true rest; negative: below
   double tilt = 0;        // degrees between orientations; not a number for a ball
   double overlap_mm = 0;  // with the relief, along the normal; 0 where it does not overlap
-  double creep_mm = 0;    // way of the centre in the last 0.5 s
+  double creep_mm = 0;    // way of the centre in the last half second
 };
 std::vector<RestOfBody> rests(const Subject& subject, const Candidate& candidate,
                               const std::vector<Drop>& drops);
