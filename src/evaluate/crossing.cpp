@@ -297,8 +297,11 @@ ReferenceRoll reference_roll(const Subject& subject, const RollOptions& options)
             velocity,
             Vec3::UnitZ().cross(velocity) / radius});
   ReferenceRoll out;
-  out.crossing = {
-      .probe = Probe::ball, .radius = radius, .rate = reference_rate, .start = 1 / reference_rate};
+  out.crossing = {.probe = Probe::ball,
+                  .is_strike = options.drop > 0,
+                  .radius = radius,
+                  .rate = reference_rate,
+                  .start = 1 / reference_rate};
   out.states.push_back(ball.state());
   const surface::Placement& place = subject.surface(ours).surface->placement();
   const auto in_world = [&](const BodyState& local) {

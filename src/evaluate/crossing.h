@@ -16,9 +16,10 @@ enum class Probe { pen, ball };
 
 struct Crossing {
   Probe probe = Probe::pen;
-  double radius = 0;  // m, of tip or ball
-  double rate = 0;    // Hz, of the series; their first value is at `start`
-  double start = 0;   // s
+  bool is_strike = false;  // a ball that is dropped
+  double radius = 0;       // m, of tip or ball
+  double rate = 0;         // Hz, of the series; their first value is at `start`
+  double start = 0;        // s
   // m, of the tip or the ball's lowest point, as drawn; a series.
   std::vector<Vec3> place = {};
   std::vector<Vec3> force = {};  // N on the hand, local axes (t, b, n); pens only

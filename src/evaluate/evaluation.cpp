@@ -263,11 +263,13 @@ void Evaluator::run_reference() {
   for (std::size_t k = 0; k < plans_.size(); ++k) {
     report(0.05 + 0.2 * double(k) / double(plans_.size()), fmt::format("reference, run {}", k + 1));
     const RunPlan& plan = plans_[k];
-    references_.push_back(
-        {reference_stroke(*subject_, plan.stroke),
-         reference_roll(*subject_, plan.roll),
-         reference_roll(*subject_, plan.strike),
-         {reference_throw(*subject_, plan.throws[0]), reference_throw(*subject_, plan.throws[1])}});
+    ReferenceRun run{reference_stroke(*subject_, plan.stroke), reference_roll(*subject_, plan.roll), {}, {}};
+    if (int(k) < out_.options.thrown()) {
+      run.strike = reference_roll(*subject_, plan.strike);
+      for (std::size_t body = 0; body < 2; ++body)
+        run.throws[body] = reference_throw(*subject_, plan.throws[body]);
+    }
+    references_.push_back(std::move(run));
   }
 }
 
@@ -313,7 +315,7 @@ void Evaluator::measure_reference_error() {
 // Boxes and hulls, by half the rate.
 void Evaluator::measure_body_error() {
   Runs place, turn;
-  for (std::size_t k = 0; k < std::min<std::size_t>(references_.size(), 4); ++k)
+  for (std::size_t k = 0; k < std::size_t(std::min(out_.options.thrown(), 4)); ++k)
     for (const ReferenceThrow& reference : references_[k].throws) {
       const ThrowError error = half_rate_error(*subject_, reference);
       place.add(error.place_mm);
@@ -376,8 +378,9 @@ Result<RepresentationResult> Evaluator::evaluate_one(const Candidate& candidate)
     }
     scraping.add(scraped);
     rolling.add(rolled);
-    striking.add(sound_error(roll(*subject_, candidate, plans_[k].strike, reference.strike),
-                             reference.strike.crossing));
+    if (int(k) < options.thrown())
+      striking.add(sound_error(roll(*subject_, candidate, plans_[k].strike, reference.strike),
+                               reference.strike.crossing));
     touch_cost += pen.touch_cost;
     motion_cost += ball.motion_cost;
     sound_cost += 0.5 * (pen.sound_cost + ball.sound_cost);
@@ -407,8 +410,8 @@ Result<RepresentationResult> Evaluator::evaluate_one(const Candidate& candidate)
 void Evaluator::measure_bodies(const Candidate& candidate, MotionTruth& motion) const {
   for (std::size_t kind = 0; kind < 2; ++kind) {
     Runs place, height, turn, normal;
-    for (const ReferenceRun& reference : references_) {
-      const ThrowError error = throw_error(*subject_, candidate, reference.throws[kind]);
+    for (std::size_t k = 0; k < std::size_t(out_.options.thrown()); ++k) {
+      const ThrowError error = throw_error(*subject_, candidate, references_[k].throws[kind]);
       place.add(error.place_mm);
       height.add(error.height_mm);
       turn.add(error.turn);

@@ -33,7 +33,9 @@ struct EvaluateOptions {
 
   std::optional<int> wanted_runs;  // of each probe; unset: 4 of a quick one, otherwise 20
 
-  int drops() const { return quick ? 6 : 102; }  // bodies that are dropped, whatever wanted_runs
+  int drops() const { return quick ? 3 : 102; }  // bodies that are dropped, whatever wanted_runs
+  // Runs that also throw and strike with bodies.
+  int thrown() const { return quick ? 1 : runs(); }
   int runs() const { return wanted_runs.value_or(quick ? 4 : 20); }
 };
 

@@ -215,8 +215,8 @@ void add_sounds(ComparisonTable& table, const std::string& name, SoundsTruth Sou
   });
   table.row(name + ", onsets apart", "ms", of(&SoundsTruth::late_ms));
   table.row(name + ", intervals", "ms", of(&SoundsTruth::intervals_ms));
-  table.row(name + ", decay", "|ln T1/T2|, noticed from 0.05", of(&SoundsTruth::decay));
   if (sounds != &SoundTruth::striking) return;
+  table.row(name + ", decay", "|ln T1/T2|, noticed from 0.05", of(&SoundsTruth::decay));
   table.row(name + ", spectrum", "dB, gain ignored", of(&SoundsTruth::spectrum_db));
   table.row(name + ", loudness", "sone", of(&SoundsTruth::loudness_sone));
 }

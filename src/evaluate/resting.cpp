@@ -34,7 +34,7 @@ Way run_to_rest(BodyWorld& world) {
     const Pose before = world.state().pose;
     for (std::int64_t step = 0; step < std::int64_t(span_seconds * world.rate()); ++step) world.step();
     way = way_between(before, world.state().pose);
-    if (way.metres < 5e-5 && way.turn < 1e-3) break;
+    if (way.metres < 3e-4 && way.turn < 5e-3) break;
   }
   return way;
 }

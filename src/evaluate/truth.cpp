@@ -107,7 +107,9 @@ SoundError sound_error(const Crossing& crossing, const Crossing& reference) {
           loudness_distance(loudness(crossing), loudness(reference)),
           match_onsets(crossing.sound, reference.sound, rate),
           interval_distance(impulses(crossing.sound, rate), impulses(reference.sound, rate)),
-          decay_difference(decay_times(crossing.sound, rate), decay_times(reference.sound, rate))};
+          crossing.probe == Probe::ball && reference.is_strike
+              ? decay_difference(decay_times(crossing.sound, rate), decay_times(reference.sound, rate))
+              : std::numeric_limits<double>::quiet_NaN()};
 }
 
 }  // namespace intaglio::evaluate

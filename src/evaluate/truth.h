@@ -30,7 +30,7 @@ struct SoundError {
   double spectrum_db = 0, loudness_sone = 0;
   OnsetMatch onsets;
   double intervals_ms = 0;  // between the trains of impulses; not a number where there is none
-  double decay = 0;         // mean of |ln(T1 / T2)| over third octaves; not a number where nothing decays
+  double decay = 0;         // of a strike: mean of |ln(T1 / T2)| over third octaves; otherwise not a number
 };
 SoundError sound_error(const Crossing& crossing, const Crossing& reference);
 
