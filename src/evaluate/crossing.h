@@ -60,7 +60,8 @@ struct RollOptions {
   double restart = 0.1;  // s, after which a candidate's ball starts again from the reference's state
   double drop = 0;       // m above the relief at which it starts
 };
-// A ball on the reference that is set down rolling, or dropped, and the state after every 1 / reference_rate s; no
+// A ball on the reference that is set down rolling, or dropped, and the state after every 1 /
+// reference_rate s; no
 // sound.
 struct ReferenceRoll {
   Crossing crossing;

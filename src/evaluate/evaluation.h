@@ -63,7 +63,7 @@ struct MotionTruth {
   Measured height_mm;     // likewise, across it; of a representation that is drawn flat: of the flat place
   Measured normal_angle;  // degrees, of the deepest contact
   BodyTruth box = {}, hull = {};
-  // What a ball without rolling resistance gains on its own way: J, and a share of its kinetic energy.
+  // A ball without rolling resistance gains energy on its own way: J, and a share of its kinetic energy.
   Measured gained_j = {}, gained_share = {};
   RestTruth rest = {};
 };

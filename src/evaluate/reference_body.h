@@ -48,7 +48,8 @@ class ReferenceBody {
   std::vector<TouchPoint> touch_points() const;  // of the last step
   // Normals of the contacts of a body there that are within `margin` metres, nearest first.
   std::vector<Vec3> normals_at(const Pose& pose, double margin) const;
-  // The smallest gap of a body there, along the normals of its contacts; below 0 it overlaps. Not a number when
+  // The smallest gap of a body there, along the normals of its contacts; below 0 it overlaps. Not a number
+  // when
   // it is farther than `reach` from the relief.
   double gap_at(const Pose& pose, double reach) const;
   // Kinetic and potential energy, J.

@@ -22,10 +22,11 @@ std::vector<Drop> plan_drops(std::uint64_t seed, int count, double size);
 
 struct RestOfBody {
   BodyKind kind = BodyKind::ball;
-  // In the last half second it moves by less than 5 mm/s and turns by less than 0.1 rad/s, on average: engines
+  // In the last half second it moves by less than 5 mm/s and turns by less than 0.1 rad/s, on average:
+  // engines
   // report speeds that no body moves at. And it is still on the surface.
   bool at_rest = false;
-  // Of those at rest; not numbers for others.
+  // The rest is of bodies at rest; not numbers for others.
   double height_mm = 0;   // above the true rest; negative: below
   double tilt = 0;        // degrees between orientations; not a number for a ball
   double overlap_mm = 0;  // with the relief, along the normal; 0 where it does not overlap

@@ -18,7 +18,7 @@ struct OnsetMatch {
   std::size_t wanted = 0, missed = 0, false_alarms = 0;
   std::vector<double> late_ms;  // of each matched onset; negative: early
 };
-// Of `sound`, beside those of `reference`; both start at the same time, in samples at `rate` Hz.
+// Onsets of `sound` beside those of `reference`; both start at the same time, in samples at `rate` Hz.
 OnsetMatch match_onsets(std::span<const float> sound, std::span<const float> reference, double rate);
 // The same of times in s, ascending.
 OnsetMatch match_times(std::span<const double> times, std::span<const double> wanted);
