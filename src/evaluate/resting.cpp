@@ -6,9 +6,9 @@
 #include <limits>
 #include <numbers>
 
+#include "core/bootstrap.h"
 #include "core/portable_math.h"
 #include "evaluate/body_world.h"
-#include "evaluate/bootstrap.h"
 
 namespace intaglio::evaluate {
 

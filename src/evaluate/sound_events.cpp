@@ -5,7 +5,7 @@
 #include <limits>
 #include <tuple>
 
-#include "evaluate/bootstrap.h"
+#include "core/bootstrap.h"
 #include "report/onsets.h"
 #include "report/percepts.h"
 

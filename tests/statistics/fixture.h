@@ -1,7 +1,7 @@
 // Fixtures: data sets with their results by SciPy or R, one a line, made by the scripts in fixtures/.
 //
-// Columns are separated by tabs and named by the first line that is no comment; a cell is one number or several,
-// separated by spaces; "nan" is a missing value.
+// Columns are separated by tabs and named by the first line that is no comment; a cell is one number or
+// several, separated by spaces; "nan" is a missing value.
 #pragma once
 
 #include <cmath>

@@ -1,5 +1,5 @@
-// t-tests, effect sizes, equivalence and power agree with SciPy on 50 data sets, obey their laws, and say what is
-// wrong with data that they cannot use.
+// t-tests, effect sizes, equivalence and power agree with SciPy on 50 data sets, obey their laws, and say
+// what is wrong with data that they cannot use.
 #include <doctest/doctest.h>
 
 #include <cmath>

@@ -1,10 +1,10 @@
-// Distributions that tests, intervals and power need: normal, Student's t (central and not), chi-squared, beta,
-// binomial.
+// Distributions that tests, intervals and power need: normal, Student's t (central and not), chi-squared,
+// beta, binomial.
 //
-// Probabilities by Boost.Math in double precision: relative errors of about 1e-13, of the noncentral t 1e-10.
-// Equal to within that on every machine, not to the bit: the C library's exponential is in them. Nothing throws:
-// an argument outside the domain gives not a number, as does a not-a-number. Any thread; about a microsecond,
-// the noncentral ones about ten.
+// Probabilities by Boost.Math in double precision: relative errors of about 1e-13, of the noncentral t
+// 1e-10. Equal to within that on every machine, not to the bit: the C library's exponential is in them.
+// Nothing throws: an argument outside the domain gives not a number, as does a not-a-number. Any thread;
+// about a microsecond, the noncentral ones about ten.
 #pragma once
 
 #include <functional>
@@ -44,8 +44,8 @@ double binomial_upper(double successes, double trials, double p);  // P(X >= suc
 
 double log_gamma(double x);
 
-// Where a function that falls or rises through 0 between low and high does so, to the last bit, by bisection.
-// Not a number where the ends have one sign, or a value is not a number.
+// Where a function that falls or rises through 0 between low and high does so, to the last bit, by
+// bisection. Not a number where the ends have one sign, or a value is not a number.
 double find_root(const std::function<double(double)>& function, double low, double high);
 
 }  // namespace intaglio::statistics

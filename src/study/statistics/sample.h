@@ -1,7 +1,7 @@
 // Samples of numbers: which values are missing, and count, mean and deviation of the others.
 //
-// A not-a-number is a missing value: it is left out, and counted. An infinite value is an error. A pair with one
-// value missing is left out as a whole. Any thread; linear.
+// A not-a-number is a missing value: it is left out, and counted. An infinite value is an error. A pair
+// with one value missing is left out as a whole. Any thread; linear.
 #pragma once
 
 #include <cstddef>
