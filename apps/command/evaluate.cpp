@@ -21,6 +21,7 @@
 #include "core/output_files.h"
 #include "core/progress.h"
 #include "core/text.h"
+#include "core/toml.h"
 #include "evaluate/evaluation.h"
 #include "report/html.h"
 
@@ -31,7 +32,7 @@ namespace {
 struct EvaluateArguments {
   std::vector<std::string> textures;
   std::string material, fault, html, json, thresholds, all, output;
-  double size = 1, depth = -1;
+  double size = 0, depth = -1;  // m; not given
   std::uint64_t seed = 1;
   int runs = 0, jobs = 1;
   bool quick = false, again = false;
@@ -41,7 +42,7 @@ struct EvaluateArguments {
 
 Result<evaluate::EvaluateOptions> evaluate_options(const EvaluateArguments& arguments, const Common& common) {
   evaluate::EvaluateOptions options;
-  options.subject.size = arguments.size;
+  if (arguments.size > 0) options.subject.size = arguments.size;
   if (arguments.depth >= 0) options.subject.depth = arguments.depth;
   options.subject.allowed_memory = common.allowed_memory;
   options.seed = arguments.seed;
@@ -61,6 +62,36 @@ Result<evaluate::EvaluateOptions> evaluate_options(const EvaluateArguments& argu
     options.thresholds = std::move(*read);
   }
   return options;
+}
+
+// Takes surface and cues from `texture` if it is a scene file; options of the command line come first.
+Result<void> take_scene(const std::string& texture, const EvaluateArguments& arguments,
+                        evaluate::EvaluateOptions& options) {
+  options.subject.texture = texture;
+  std::error_code ignored;
+  if (std::filesystem::path(texture).extension() != ".toml" ||
+      !std::filesystem::is_regular_file(texture, ignored))
+    return {};
+  const auto text = read_text(texture, std::uintmax_t{1} << 20);
+  if (!text) return tl::unexpected(text.error());
+  // Recipes have no [surface].
+  const auto table = parse_toml(*text, texture);
+  if (!table || !table->contains("surface")) return {};
+  const auto scene = scene::parse_scene(*text, texture);
+  if (!scene) return tl::unexpected(scene.error());
+  const scene::SurfaceSettings& surface = scene->surface;
+  if (surface.base)
+    return fail(texture, "has its texture on a curved base", "only flat, square surfaces are evaluated");
+  if (arguments.size <= 0 && surface.size.x() != surface.size.y())
+    return fail(texture,
+                fmt::format("surface.size: {} x {} m is not a square", surface.size.x(), surface.size.y()),
+                "give --size, the side of the square to evaluate");
+  options.subject.texture = surface.texture;
+  if (arguments.size <= 0) options.subject.size = surface.size.x();
+  if (arguments.depth < 0) options.subject.depth = surface.depth;
+  if (arguments.material.empty()) options.subject.material = surface.material;
+  if (arguments.fault.empty()) options.faults = scene->cues;
+  return {};
 }
 
 void print_table(const evaluate::Evaluation& evaluation) {
@@ -89,7 +120,8 @@ int evaluate_one(const EvaluateArguments& arguments, const Common& common) {
   }
   auto options = evaluate_options(arguments, common);
   if (!options) return report(options.error());
-  options->subject.texture = arguments.textures.front();
+  if (auto taken = take_scene(arguments.textures.front(), arguments, *options); !taken)
+    return report(taken.error());
   Progress progress("evaluate", common.quiet);
   options->progress = [&](double done, const std::string& what) { progress.update(done, what); };
   const auto evaluation = evaluate::evaluate(*options);
@@ -170,11 +202,12 @@ Result<std::string> summary_line(const BatchItem& item) {
   return line + "\n";
 }
 
-Result<void> evaluate_item(const evaluate::EvaluateOptions& common, BatchItem& item, bool again) {
+Result<void> evaluate_item(const evaluate::EvaluateOptions& common, const EvaluateArguments& arguments,
+                           BatchItem& item) {
   std::error_code ignored;
-  if (again || !std::filesystem::exists(item.json, ignored)) {
+  if (arguments.again || !std::filesystem::exists(item.json, ignored)) {
     evaluate::EvaluateOptions options = common;
-    options.subject.texture = item.texture;
+    if (auto taken = take_scene(item.texture, arguments, options); !taken) return taken;
     const auto evaluation = evaluate::evaluate(options);
     if (!evaluation) return tl::unexpected(evaluation.error());
     OutputFiles files;
@@ -228,7 +261,7 @@ int evaluate_batch(const EvaluateArguments& arguments, const Common& common) {
         k = next++;
       }
       BatchItem& item = (*items)[k];
-      if (auto result = evaluate_item(*options, item, arguments.again); !result) item.error = result.error();
+      if (auto result = evaluate_item(*options, arguments, item); !result) item.error = result.error();
       const std::lock_guard lock(mutex);
       progress.update(double(++done) / double(items->size()), item.texture);
     }
@@ -267,8 +300,9 @@ void add_evaluate(CLI::App& app, Common& common) {
   CLI::App* verb = app.add_subcommand(
       "evaluate", "Measure how well what is seen, felt and heard of a texture agrees, and what it costs");
   auto options = std::make_shared<EvaluateArguments>();
-  verb->add_option("TEXTURE", options->textures,
-                   "Images, folders of images, built-in names (brick; docs/materials.md) or recipes (.toml)");
+  verb->add_option(
+      "TEXTURE", options->textures,
+      "Images, folders of images, built-in names (brick; docs/materials.md), recipes or scenes (.toml)");
   verb->add_option("--size", options->size, "Side of the surface, m  [1]")->check(CLI::Range(0.05, 20.0));
   verb->add_option("--depth", options->depth, "Depth of the relief, m; default: as the texture implies")
       ->check(CLI::Range(0.0, 1.0));

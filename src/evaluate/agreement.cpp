@@ -163,7 +163,8 @@ class Delays {
     std::vector<Lag> told;
     std::vector<std::size_t> which;
     for (std::size_t k = 0; k < found.size(); ++k) {
-      if (!of_cause.delay[k] || !is_told(series, found[k], feature(k), true)) continue;
+      // The cause says when, not whether: a sound may follow a force that is wrong.
+      if (!out.delay[k] || !of_cause.delay[k] || !is_told(series, found[k], feature(k), true)) continue;
       told.push_back(found[k]);
       which.push_back(k);
     }
