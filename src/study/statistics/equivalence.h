@@ -1,11 +1,11 @@
 // Equivalence of two means by two one-sided tests (TOST): what a claim of "no difference" needs.
 //
-// The null hypothesis is a difference of `margin` or more. p is the greater of the two one-sided p:
-// against a difference of at most -margin, and of at least margin. Equivalent at alpha where p < alpha,
-// which is where the interval of level 1 - 2 alpha lies between the margins. The margin is in the values'
-// unit, and must be chosen before the data are seen. Source: Schuirmann, "A comparison of the two
-// one-sided tests procedure", 1987. Errors and notes: as of a t-test; a margin that is not positive is an
-// error. Any thread.
+// The null hypothesis is a difference of `margin` or more. p is the greater of the two one-sided p: against
+// a difference of at most -margin, and of at least margin. Equivalent at alpha where p < alpha, which is
+// where the interval of level 1 - 2 alpha lies between the margins. The margin is in the values' unit, and
+// must be chosen before the data are seen. Source: Schuirmann, "A comparison of the two one-sided tests
+// procedure", 1987. Errors and notes: as of a t-test; a margin that is not positive is an error. Any
+// thread.
 #pragma once
 
 #include <span>

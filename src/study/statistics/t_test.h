@@ -5,10 +5,10 @@
 //   Student      s² = ((n1 - 1) s1² + (n2 - 1) s2²) / (n1 + n2 - 2), error s sqrt(1/n1 + 1/n2)
 //   Welch        error² = s1²/n1 + s2²/n2; df = error⁴ / ((s1²/n1)²/(n1 - 1) + (s2²/n2)²/(n2 - 1))
 //
-// Samples or their printed means and deviations. Where no value varies there is no test: t, df of Welch
-// and p are not a number, and `note` says so. Errors: fewer than two values, a deviation that is negative
-// or infinite. Source: Student 1908; Welch, "The generalization of Student's problem", Biometrika 34,
-// 1947. Any thread.
+// Samples or their printed means and deviations. Where no value varies there is no test: t, df of Welch and
+// p are not a number, and `note` says so. Errors: fewer than two values, a deviation that is negative or
+// infinite. Source: Student 1908; Welch, "The generalization of Student's problem", Biometrika 34, 1947.
+// Any thread.
 #pragma once
 
 #include <span>
