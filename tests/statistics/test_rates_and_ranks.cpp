@@ -88,7 +88,7 @@ TEST_CASE("the rate of a d' agrees with SciPy's quadrature on 50 data sets, and 
     CHECK(agrees(choice_rate(row.number("d"), m), row.number("rate"), 1e-12));
     CHECK(agrees(detectability(row.number("rate"), m).value(), row.number("d")));
   }
-  // Of two alternatives, the rate is Φ(d' / √2); without signal, any number is at chance.
+  // With two alternatives, the rate is Φ(d' / √2); without signal, any number is at chance.
   for (const double d : {-2.0, 0.3, 1.0, 3.5})
     CHECK(agrees(choice_rate(d, 2), normal_cdf(d / std::sqrt(2.0)), 1e-13));
   for (const int m : {2, 3, 10, 40}) CHECK(agrees(choice_rate(0, m), 1.0 / m, 1e-13));
@@ -141,6 +141,11 @@ TEST_CASE("values that all tie, pairs that do not differ and missing values: no 
   const std::vector<double> part = {1, no_value, 4, 9}, others = {2, 7, 3, 5};
   CHECK(wilcoxon_signed_rank(part, others)->missing == 1);
   CHECK(mann_whitney(part, others)->n1 == 3);
+  const std::vector<double> low = {1, 2, 3}, high = {4, 5, 6};
+  CHECK(mann_whitney(low, high)->variant == "exact");
+  CHECK(mann_whitney(low, high)->p == doctest::Approx(0.1).epsilon(1e-13));
+  CHECK(mann_whitney(low, high)->rank_biserial == -1);
+  CHECK(mann_whitney(low, low)->variant.find("normal") == 0);
   const std::vector<double> many(150, 1), more(150, 2);
   CHECK_FALSE(mann_whitney(many, more, {Alternative::two_sided, RankVariant::exact}));
   CHECK(wilcoxon_signed_rank(std::vector<double>{0.3, 0.4}, std::vector<double>{0.1, 0.2})->has_ties);

@@ -4,10 +4,12 @@
 // (then what needs counts is refused or not a number).
 //
 //   information   Σ p_ij log2(p_ij / (p_i p_j)): biased upwards, by few trials
-//   Miller-Madow  each entropy plus (m - 1) / (2 n ln 2), m of its cells not empty: H(row) + H(column) - H(both)
+//   Miller-Madow  H(row) + H(column) - H(both), to each of which (m - 1) / (2 n ln 2) is added, m of its
+//                 cells not being empty
 //   within        the share of errors whose answer is of the shown item's family; by chance an error falls on
 //                 each other item alike: (size of the family - 1) / (items - 1) of a row's errors
-//   p             P(as many errors within or more), of a sum of binomial counts, one a row
+//   p             P(as many errors within or more), of a sum of binomial counts, one a row; for
+//                 at most 10000 errors
 //
 // Sources: Shannon 1948; Miller, "Note on the bias of information estimates", 1955. Errors say what is
 // wrong: a wrong number of cells, a negative or infinite one, an answer that is no item. No trials, no

@@ -8,7 +8,8 @@
 //   Fisher            hypergeometric, two-sided as the binomial test
 //
 // Sources: Clopper and Pearson 1934; Wilson 1927; Fisher 1935. Errors: no trials, more successes than
-// trials, a chance or level outside (0, 1). Any thread; microseconds.
+// trials, a chance or level outside (0, 1). Any thread; intervals take microseconds, tests are
+// linear in the trials.
 #pragma once
 
 #include <cstddef>

@@ -36,8 +36,8 @@ Ranks ranks_of(const std::vector<double>& values, double apart) {
   return ranks;
 }
 
-// How many subsets of the ranks have a sum (twice): all subsets, or those of one size. Counts are doubles: exact
-// up to 2^53, and within rounding beyond.
+// How many subsets of the ranks have a sum (twice): all subsets, or those of one size. Counts are doubles:
+// exact up to 2^53, and within rounding beyond.
 std::vector<double> sums_of_all(const std::vector<std::size_t>& ranks) {
   std::vector<double> ways(std::accumulate(ranks.begin(), ranks.end(), std::size_t{1}), 0);
   ways[0] = 1;
@@ -91,7 +91,7 @@ Result<bool> is_exact(RankTest& test, RankVariant variant) {
     return fail(test.name, fmt::format("an exact test of {} values takes too long", test.n1 + test.n2),
                 "ask for the normal variant");
   const bool exact = variant == RankVariant::exact ||
-                     (variant == RankVariant::chosen && !test.has_ties && std::max(test.n1, test.n2) <= 50);
+                     (variant == RankVariant::chosen && !test.has_ties && std::max(test.n1, test.n2) < 50);
   test.variant = !exact          ? "normal, corrected for ties and continuity"
                  : test.has_ties ? "exact, given the ties"
                                  : "exact";

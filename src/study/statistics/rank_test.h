@@ -1,9 +1,10 @@
 // Tests by ranks: Mann-Whitney (two samples) and Wilcoxon's signed ranks (pairs), in named variants.
 //
-//   exact    the distribution of all orders or signs; ties have their mean rank, and the distribution is that of
-//            the ranks as they are tied ("exact, given the ties")
+//   exact    the distribution of all orders or signs; ties have their mean rank, and the distribution is
+//            that of the ranks as they are tied ("exact, given the ties")
 //   normal   z with the variance corrected for ties, and the statistic moved by 1/2 towards its mean
-//   chosen   exact without ties and with at most 50 values a sample, else normal, as R's wilcox.test
+//   chosen   exact without ties and with fewer than 50 values a sample, else normal: the rule of R's
+//            wilcox.test, but that pairs without a difference do not exclude the exact variant here
 //
 // Two-sided p is twice the smaller tail, at most 1. Pairs without a difference are left out of Wilcoxon's
 // test and counted (Wilcoxon's own way; Pratt's is not offered); differences within 1e-12 of the greatest
