@@ -8,7 +8,8 @@
 //
 // When: the lag of the best correlation is the sense's delay. A picture is drawn whole, so its delay is one
 // for the crossing, and what is left at a feature is an error of place. A sound is made by what changes at
-// the probe: where it tells the feature and follows the delivered force or motion, they say when. Single delays are drawn together by what their error explains (delay.h).
+// the probe: where it tells the feature and follows the delivered force or motion, they say when. Single
+// delays are drawn together by what their error explains (delay.h).
 //
 // For a pair of senses x = sqrt((dt / T)^2 + (ds / S)^2): dt is the difference of their delays, ds the
 // distance that the hand moves in it and the picture's error of place, T and S the thresholds of the pair
