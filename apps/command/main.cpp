@@ -171,6 +171,7 @@ int main(int argc, char** argv) {
   intaglio::app::add_bake(app, common);
   intaglio::app::add_sound(app, common);
   intaglio::app::add_evaluate(app, common);
+  intaglio::app::add_study(app, common);
   if (const int empty = intaglio::app::empty_argument(argc, argv); empty > 0) {
     intaglio::print_error(fmt::format("intaglio: argument {} is empty (an unset shell variable?)\n", empty));
     return 2;

@@ -33,6 +33,7 @@ void add_bake(CLI::App& app, Common& common);
 void add_run(CLI::App& app, Common& common);
 void add_sound(CLI::App& app, Common& common);
 void add_evaluate(CLI::App& app, Common& common);
+void add_study(CLI::App& app, Common& common);
 
 // Prints an error in one line; returns the exit code.
 int report(const Error& error);

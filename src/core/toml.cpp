@@ -239,6 +239,25 @@ void TomlReader::rows(const char* key, std::size_t columns, std::vector<std::vec
   }
 }
 
+void TomlReader::strings(const char* key, std::size_t most, std::vector<std::string>& value) {
+  const toml::node* node = find(key);
+  if (node == nullptr) return;
+  const toml::array* array = node->as_array();
+  if (array == nullptr)
+    return set_error(*node, fmt::format("{} is {}", full_key(key), kind(*node)),
+                     "a list of quoted strings is required: [\"a\", \"b\"]");
+  if (array->size() > most)
+    return set_error(*node, fmt::format("{} has {} entries", full_key(key), array->size()),
+                     fmt::format("at most {}", most));
+  value.clear();
+  for (const toml::node& item : *array) {
+    if (!item.is_string())
+      return set_error(item, fmt::format("an entry of {} is {}", full_key(key), kind(item)),
+                       "a quoted string is required");
+    value.push_back(item.value_or(std::string()));
+  }
+}
+
 void TomlReader::table(const char* key, const std::function<void(TomlReader&)>& read) {
   const toml::node* node = find(key);
   if (node == nullptr) return;

@@ -83,6 +83,10 @@ class TomlReader {
   bool has(const char* key) const { return table_.contains(key); }
   // For a key that takes a table or something else.
   bool is_table(const char* key) const { return table_[key].is_table(); }
+  // A list of strings, at most `most` of them.
+  void strings(const char* key, std::size_t most, std::vector<std::string>& value);
+  // The value of a key that its caller reads; null if it is absent or an error has occurred.
+  const toml::node* node(const char* key) { return find(key); }
   // Allows a key that is read conditionally.
   void optional_key(const char* key) { known_.insert(key); }
   // "file:line" of the key, or of the table without it: for errors detected later.
@@ -93,6 +97,11 @@ class TomlReader {
 
   // Reports an error at the key's line (or the table's).
   void fail_at(const char* key, std::string what, std::string fix);
+  // The same at the line of a value.
+  void fail_at(const toml::node& node, std::string what, std::string fix) {
+    set_error(node, std::move(what), std::move(fix));
+  }
+  bool has_failed() const { return error_.has_value(); }
   // Call last: reports the first unread key.
   void finish();
 

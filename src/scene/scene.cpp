@@ -9,6 +9,7 @@
 #include "core/toml.h"
 #include "intaglio/representation.h"
 #include "scene/scene_reader.h"
+#include "scene/scene_table.h"
 
 namespace intaglio::scene {
 
@@ -153,13 +154,11 @@ void put_texture(SurfaceSettings& surface, const std::string& texture) {
   surface.line.clear();
 }
 
-Result<Scene> parse_scene(std::string_view text, const std::string& name) {
-  const auto parsed = parse_toml(text, name);
-  if (!parsed) return tl::unexpected(parsed.error());
+Result<Scene> scene_of_table(const toml::table& table, const std::string& name) {
   std::optional<Error> error;
   Scene scene;
   scene.name = name;
-  TomlReader r(*parsed, name, "", error);
+  TomlReader r(table, name, "", error);
   r.string("title", scene.title);
   r.number("duration", scene.duration, {0.1, 3600, false, "a duration must be between 0.1 s and 3600 s"});
   r.integer("seed", scene.seed, at_least_zero("a seed must be an integer from 0 to 1e9", 1e9));
@@ -190,28 +189,37 @@ Result<Scene> parse_scene(std::string_view text, const std::string& name) {
   return scene;
 }
 
+Result<Scene> parse_scene(std::string_view text, const std::string& name) {
+  const auto parsed = parse_toml(text, name);
+  if (!parsed) return tl::unexpected(parsed.error());
+  return scene_of_table(*parsed, name);
+}
+
+void find_files_beside(Scene& scene, const std::filesystem::path& folder) {
+  const auto find = [&](std::string& file) {
+    std::error_code ignored;
+    const auto beside = folder / file;
+    if (!std::filesystem::exists(file, ignored) && std::filesystem::exists(beside, ignored))
+      file = beside.string();
+  };
+  find(scene.surface.texture);
+  for (SurfaceSettings& ground : scene.grounds) {
+    find(ground.texture);
+    if (ground.base && !ground.base->file.empty()) find(ground.base->file);
+  }
+  for (BodySettings& body : scene.bodies)
+    for (SurfaceSettings& relief : body.reliefs) find(relief.texture);
+  for (const Cue cue : all_cues)
+    if (auto& texture = scene.cues[cue].texture) find(*texture);
+}
+
 Result<Scene> read_scene(const std::filesystem::path& path, std::uint64_t allowed_memory) {
   const auto bytes = read_file(path, 16u << 20);
   if (!bytes) return tl::unexpected(bytes.error());
   auto scene = parse_scene({reinterpret_cast<const char*>(bytes->data()), bytes->size()}, path.string());
   if (!scene) return scene;
   scene->allowed_memory = allowed_memory;
-  // Paths that do not exist relative to the working folder are tried relative to the scene file.
-  const auto find = [&](std::string& file) {
-    std::error_code ignored;
-    const auto beside = path.parent_path() / file;
-    if (!std::filesystem::exists(file, ignored) && std::filesystem::exists(beside, ignored))
-      file = beside.string();
-  };
-  find(scene->surface.texture);
-  for (SurfaceSettings& ground : scene->grounds) {
-    find(ground.texture);
-    if (ground.base && !ground.base->file.empty()) find(ground.base->file);
-  }
-  for (BodySettings& body : scene->bodies)
-    for (SurfaceSettings& relief : body.reliefs) find(relief.texture);
-  for (const Cue cue : all_cues)
-    if (auto& texture = scene->cues[cue].texture) find(*texture);
+  find_files_beside(*scene, path.parent_path());
   return scene;
 }
 

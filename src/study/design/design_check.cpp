@@ -1,0 +1,118 @@
+// The answer of `study check`.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "study/design/balance.h"
+#include "study/design/design_pages.h"
+#include "study/design/design_power.h"
+#include "study/design/duration.h"
+#include "study/design/plan.h"
+
+namespace intaglio::study {
+
+namespace {
+
+std::string minutes(double seconds) {
+  return seconds < 60 ? fmt::format("{:.0f} s", seconds) : fmt::format("{:.0f} min", std::ceil(seconds / 60));
+}
+
+std::string what_is_met(const PlannedStep& step) {
+  std::string text;
+  const auto add = [&](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
+  for (const PlannedItem& item : step.items) {
+    std::string met = item.material;
+    for (const std::string& level : item.levels) met += (met.empty() ? "" : ", ") + level;
+    if (step.kind != StepKind::preview && !met.empty()) add(met);
+  }
+  if (step.kind == StepKind::preview) add(fmt::format("{} materials are seen", step.items.size()));
+  if (!step.shown.empty()) add(fmt::format("{} pictures to choose from", step.shown.size()));
+  if (!step.track.empty()) add(step.is_catch ? "catch trial" : "adaptive");
+  if (step.trial > 0 && !step.told.empty()) add(fmt::format("told before: {}", fmt::join(step.told, ", ")));
+  if (!step.ask_item.empty()) add(fmt::format("of each: {}", fmt::join(step.ask_item, ", ")));
+  if (!step.ask.empty()) add(fmt::format("asks {}", fmt::join(step.ask, ", ")));
+  if (step.least_seconds > 0) add(fmt::format("at least {:.0f} s", step.least_seconds));
+  if (step.time_limit) add(fmt::format("at most {:.0f} s", *step.time_limit));
+  return text;
+}
+
+std::string session_text(const Design& design, const Plan& plan) {
+  std::string text = fmt::format("Participant {} (order {})\n", plan.participant, plan_hash(plan));
+  double at = 0;
+  for (const PlannedStep& step : plan.steps) {
+    const std::string trial =
+        step.trial > 0 ? fmt::format("trial {}", step.trial) : std::string(name_of(step.kind));
+    text += fmt::format("  {:>5}  {:13} {:18} {}", minutes(at), trial, step.name, what_is_met(step));
+    text.erase(text.find_last_not_of(' ') + 1);
+    text += '\n';
+    at += duration_of(design, step).expected;
+  }
+  const Duration all = duration_of(design, plan);
+  text += fmt::format("Takes about {}", minutes(all.expected));
+  text += all.longest ? fmt::format(", at most {}.", minutes(*all.longest))
+                      : std::string("; trials have no limit of time.");
+  if (const auto most = design.stop.session_minutes)
+    text += fmt::format(" A session is ended after {:g} min.", *most);
+  if (design.stop.session_minutes && all.expected > 60 * *design.stop.session_minutes)
+    text += " That is before its expected end!";
+  return text + "\n";
+}
+
+std::string balance_text(const Balance& balance) {
+  const int n = balance.participants, period = balance.period;
+  std::string text = fmt::format("\nBalance at {} participants\n", n);
+  for (const PairBalance& pair : balance.pairs) {
+    const std::string name = fmt::format("{}: {} x {}", pair.block, pair.rows, pair.columns);
+    if (pair.is_exact) {
+      text += fmt::format("  exact      {} ({} each)\n", name,
+                          pair.least == pair.most ? std::to_string(pair.least)
+                                                  : fmt::format("{} to {}", pair.least, pair.most));
+    } else if (pair.exact_from > 0) {
+      text += fmt::format("  not exact  {}: counts {} to {}, up to {:.1f} from even; exact at {}, {}, ...\n",
+                          name, pair.least, pair.most, pair.largest_deviation, pair.exact_from,
+                          2 * pair.exact_from);
+    } else {
+      text += fmt::format("  never      {}: counts {} to {}: the order does not balance it\n", name,
+                          pair.least, pair.most);
+    }
+  }
+  if (balance.pairs.empty()) text += "  nothing varies over participants\n";
+  if (period > 1)
+    text += n % period == 0
+                ? fmt::format("All squares are whole: {} is a multiple of {}.\n", n, period)
+                : fmt::format("{} is no multiple of {}: orders balance exactly at {} or {} participants.\n",
+                              n, period, std::max(n / period, 1) * period,
+                              (n / period + (n < period ? 1 : 0) + 1) * period);
+  return text;
+}
+
+std::string power_text(const Design& design, const std::vector<HypothesisPower>& all, int participants) {
+  if (all.empty()) return "\nNo hypotheses are stated.\n";
+  std::string text =
+      fmt::format("\nPower at {} participants (wanted: {:g})\n", participants, design.analysis.power);
+  for (const HypothesisPower& each : all) {
+    text += each.power
+                ? fmt::format("  {:.2f}{}  {} (alpha {:.3g}; {})\n", *each.power,
+                              *each.power < design.analysis.power ? " low" : "    ", each.hypothesis,
+                              each.alpha, each.why)
+                : fmt::format("  ?         {} (alpha {:.3g}; {})\n", each.hypothesis, each.alpha, each.why);
+  }
+  return text;
+}
+
+}  // namespace
+
+Result<std::string> check_text(const Design& design, int participants, int shown_participant) {
+  const auto shown = plan(design, shown_participant);
+  if (!shown) return tl::unexpected(shown.error());
+  const auto balanced = balance(design, participants);
+  if (!balanced) return tl::unexpected(balanced.error());
+  const auto powers = power_of(design, participants);
+  if (!powers) return tl::unexpected(powers.error());
+  return fmt::format("{}: {}\nDesign {}, seed {}\n\n", design.name, design.title, design.hash.substr(0, 16),
+                     design.seed) +
+         session_text(design, *shown) + balance_text(*balanced) + power_text(design, *powers, participants);
+}
+
+}  // namespace intaglio::study
