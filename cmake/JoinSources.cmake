@@ -5,7 +5,7 @@ option(INTAGLIO_JOIN "Compile eight source files as one: for whole builds" OFF)
 
 # Sources that fuzzing guides by their coverage. Without it mutations are blind; the rest of the library goes without, so that the tests
 # that share this build stay fast.
-set(INTAGLIO_FUZZED "src/core/(toml|file)\\.cpp|src/surface/image/.*|src/surface/(import|maps|fuse)\\.cpp|src/surface/recipes/recipe_reader\\.cpp|src/mesh/(mesh_file|gltf_.*|triangle_mesh)\\.cpp|src/haptics/haptic_log\\.cpp|src/haptics/vrpn/.*|src/sound/model_file\\.cpp|src/scene/scene.*|src/evaluate/thresholds\\.cpp|src/sound/bake/fem/netgen_files\\.cpp|apps/window/(script|settings)\\.cpp")
+set(INTAGLIO_FUZZED "src/core/(toml|file)\\.cpp|src/surface/image/.*|src/surface/(import|maps|fuse)\\.cpp|src/surface/recipes/recipe_reader\\.cpp|src/mesh/(mesh_file|gltf_.*|triangle_mesh)\\.cpp|src/haptics/haptic_log\\.cpp|src/haptics/vrpn/.*|src/sound/model_file\\.cpp|src/scene/scene.*|src/study/design/(design.*|overrides)\\.cpp|src/evaluate/thresholds\\.cpp|src/sound/bake/fem/netgen_files\\.cpp|apps/window/(script|settings)\\.cpp")
 
 # Highway includes its file once for each kind of processor; Qhull's headers define many macros; in the others users' names stand beside
 # the library's own.

@@ -27,6 +27,20 @@ class PairCount {
   // Whether it says anything: several rows and columns.
   bool is_table() const { return rows_.size() > 1 && columns_.size() > 1; }
 
+  // Every condition after every other equally often; none follows itself where each is met once.
+  void put_succession(PairBalance& pair) const {
+    pair.least = total_, pair.most = 0;
+    for (const auto& [row, of_row] : rows_)
+      for (const auto& [column, of_column] : columns_) {
+        if (row == column) continue;
+        const auto found = counts_.find({row, column});
+        pair.least = std::min(pair.least, found == counts_.end() ? 0 : found->second);
+        pair.most = std::max(pair.most, found == counts_.end() ? 0 : found->second);
+      }
+    pair.largest_deviation = 0.5 * (pair.most - pair.least);
+    pair.is_exact = pair.least == pair.most;
+  }
+
   void put(PairBalance& pair) const {
     pair.least = total_, pair.most = 0, pair.largest_deviation = 0;
     for (const auto& [row, of_row] : rows_)
@@ -54,10 +68,15 @@ class BalanceCounter {
   explicit BalanceCounter(const Design& design) : design_(design) {}
 
   void add(const Plan& plan) {
-    std::string previous, previous_block;
+    const PlannedStep* previous = nullptr;
     for (const PlannedStep& step : plan.steps) {
       if (step.trial == 0) continue;
       const bool is_free = design_.steps[step.step].is_free;
+      if (previous != nullptr && previous->name == step.name &&
+          design_.steps[step.step].order != Order::fixed)
+        counts_[{step.name, "condition", "the one before"}].add(std::to_string(step.listed),
+                                                                std::to_string(previous->listed));
+      previous = &step;
       for (const PlannedItem& item : step.items) {
         const std::string place = std::to_string(step.place);
         for (const std::string& level : item.levels) {
@@ -68,12 +87,6 @@ class BalanceCounter {
         }
         if (!item.material.empty() && !is_free)
           counts_[{step.name, "material", "place"}].add(item.material, place);
-        std::string condition;
-        for (const std::string& level : item.levels) condition += level + " ";
-        if (previous_block == step.name && !previous.empty() && !is_free)
-          counts_[{step.name, "condition", "the one before"}].add(condition, previous);
-        previous = condition;
-        previous_block = step.name;
       }
     }
   }
@@ -84,7 +97,11 @@ class BalanceCounter {
       if (!count.is_table()) continue;
       PairBalance& pair = result[name];
       std::tie(pair.block, pair.rows, pair.columns) = name;
-      count.put(pair);
+      if (pair.columns == "the one before") {
+        count.put_succession(pair);
+      } else {
+        count.put(pair);
+      }
     }
     return result;
   }
@@ -119,10 +136,11 @@ int period_of(const Design& design) {
 }
 
 Result<Balance> balance(const Design& design, int participants) {
-  Balance result{participants, period_of(design), {}};
+  Balance result{participants, period_of(design), 0, {}};
   // Whether and when a pair becomes exact is looked for over a few periods.
   constexpr int most_looked = 240;
   const int last = std::max(participants, std::min(4 * result.period, most_looked));
+  result.looked_at = last;
   BalanceCounter counter(design);
   std::map<PairName, int> exact_from;
   for (int participant = 1; participant <= last; ++participant) {

@@ -22,7 +22,8 @@ struct PairBalance {
 
 struct Balance {
   int participants = 0;
-  int period = 1;  // at its multiples all squares are whole
+  int period = 1;     // at its multiples all squares are whole
+  int looked_at = 0;  // the largest number of participants that was counted
   std::vector<PairBalance> pairs;
 };
 

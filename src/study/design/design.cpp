@@ -228,7 +228,7 @@ Result<Design> parse_design(std::string_view text, const std::string& name) {
             [](TomlReader& t, Family& family) { read_family(t, family); });
   read_list(r, "hypothesis", std::size_t{128}, design.hypotheses,
             [&](TomlReader& t, Hypothesis& hypothesis) { read_hypothesis(t, design, hypothesis); });
-  r.table("analysis", [&](TomlReader& t) { read_analysis(t, design.analysis); });
+  r.table("analysis", [&](TomlReader& t) { read_analysis(t, design, design.analysis); });
   check_whole(r, design);
   r.finish();
   if (error) return tl::unexpected(*error);

@@ -167,14 +167,15 @@ struct Hypothesis {
   Test test = Test::paired;
   Direction direction = Direction::two_sided;
   std::optional<double> margin;  // claims no difference beyond this (equivalence)
+  std::optional<double> effect;  // that is expected, instead of AnalysisPlan's
 };
 
 // For the power: an effect in deviations, or rates of right answers that are simulated.
 struct AnalysisPlan {
-  std::optional<double> effect;  // Cohen's d: of differences for paired tests, of groups otherwise
-  std::vector<double> rates;     // of right answers at the two levels compared
-  double person_deviation = 0;   // of persons' log odds, for rates
-  double power = 0.8;            // that is wanted
+  std::optional<double> effect;         // Cohen's d: of differences for paired tests, of groups otherwise
+  std::map<std::string, double> rates;  // of right answers, by level
+  double person_deviation = 0;          // of persons' log odds, for rates
+  double power = 0.8;                   // that is wanted
 };
 
 struct StopRule {

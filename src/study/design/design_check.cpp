@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <set>
 
 #include "study/design/balance.h"
 #include "study/design/design_pages.h"
@@ -37,16 +39,59 @@ std::string what_is_met(const PlannedStep& step) {
   return text;
 }
 
+std::string criterion_text(const Criterion& criterion) {
+  std::string text;
+  if (criterion.contacts > 0) text += fmt::format("; at least {} contacts", criterion.contacts);
+  if (criterion.correct > 0)
+    text +=
+        fmt::format("; until {} of {} are right, at most {} trials, then {}", criterion.correct, criterion.of,
+                    criterion.at_most, criterion.ends_session ? "the session ends" : "it goes on");
+  return text;
+}
+
+// The last of the adaptive trials that follow step `k` without a break; `k` itself for other steps.
+std::size_t last_alike(const Plan& plan, std::size_t k) {
+  std::size_t last = k;
+  while (!plan.steps[k].track.empty() && last + 1 < plan.steps.size() &&
+         !plan.steps[last + 1].track.empty() && plan.steps[last + 1].step == plan.steps[k].step)
+    ++last;
+  return last;
+}
+
+std::string adaptive_text(const Design& design, const Plan& plan, std::size_t first, std::size_t last) {
+  const PlannedStep& step = plan.steps[first];
+  const Adaptive& adaptive = *design.steps[step.step].adaptive;
+  std::set<std::string> tracks;
+  int catches = 0;
+  for (std::size_t k = first; k <= last; ++k) {
+    tracks.insert(plan.steps[k].track);
+    catches += plan.steps[k].is_catch ? 1 : 0;
+  }
+  std::string text =
+      fmt::format("{}, {:g} to {:g}", adaptive.method == Adaptive::Method::quest ? "QUEST+" : "staircase",
+                  adaptive.low, adaptive.high);
+  if (tracks.size() > 1) text += fmt::format(", {} procedures in turn", tracks.size());
+  if (catches > 0) text += fmt::format(", {} catch trials", catches);
+  return text + fmt::format("; asks {}", fmt::join(step.ask, ", "));
+}
+
 std::string session_text(const Design& design, const Plan& plan) {
   std::string text = fmt::format("Participant {} (order {})\n", plan.participant, plan_hash(plan));
   double at = 0;
-  for (const PlannedStep& step : plan.steps) {
-    const std::string trial =
-        step.trial > 0 ? fmt::format("trial {}", step.trial) : std::string(name_of(step.kind));
-    text += fmt::format("  {:>5}  {:13} {:18} {}", minutes(at), trial, step.name, what_is_met(step));
+  std::size_t next = 0;
+  while (next < plan.steps.size()) {
+    const std::size_t first = next, last = last_alike(plan, first);
+    const PlannedStep& step = plan.steps[first];
+    std::string what = step.track.empty() ? what_is_met(step) : adaptive_text(design, plan, first, last);
+    if (step.kind == StepKind::practice) what += criterion_text(design.steps[step.step].criterion);
+    std::string number = name_of(step.kind);
+    if (step.trial > 0)
+      number = last == first ? fmt::format("trial {}", step.trial)
+                             : fmt::format("trials {}-{}", step.trial, plan.steps[last].trial);
+    text += fmt::format("  {:>6}  {:14} {:18} {}", minutes(at), number, step.name, what);
     text.erase(text.find_last_not_of(' ') + 1);
     text += '\n';
-    at += duration_of(design, step).expected;
+    for (; next <= last; ++next) at += duration_of(design, plan.steps[next]).expected;
   }
   const Duration all = duration_of(design, plan);
   text += fmt::format("Takes about {}", minutes(all.expected));
@@ -59,7 +104,7 @@ std::string session_text(const Design& design, const Plan& plan) {
   return text + "\n";
 }
 
-std::string balance_text(const Balance& balance) {
+std::string balance_text(const Design& design, const Balance& balance) {
   const int n = balance.participants, period = balance.period;
   std::string text = fmt::format("\nBalance at {} participants\n", n);
   for (const PairBalance& pair : balance.pairs) {
@@ -73,8 +118,13 @@ std::string balance_text(const Balance& balance) {
                           name, pair.least, pair.most, pair.largest_deviation, pair.exact_from,
                           2 * pair.exact_from);
     } else {
-      text += fmt::format("  never      {}: counts {} to {}: the order does not balance it\n", name,
-                          pair.least, pair.most);
+      const auto step = std::find_if(design.steps.begin(), design.steps.end(),
+                                     [&](const StepDesign& each) { return each.name == pair.block; });
+      const bool is_fixed = step->order == Order::fixed && pair.columns == "place" && pair.rows != "material";
+      text += fmt::format(
+          "  never      {}: counts {} to {}: {}\n", name, pair.least, pair.most,
+          is_fixed ? std::string("the order is fixed, so that practice is confounded with it")
+                   : fmt::format("exact at no multiple of {} up to {}", period, balance.looked_at));
     }
   }
   if (balance.pairs.empty()) text += "  nothing varies over participants\n";
@@ -112,7 +162,8 @@ Result<std::string> check_text(const Design& design, int participants, int shown
   if (!powers) return tl::unexpected(powers.error());
   return fmt::format("{}: {}\nDesign {}, seed {}\n\n", design.name, design.title, design.hash.substr(0, 16),
                      design.seed) +
-         session_text(design, *shown) + balance_text(*balanced) + power_text(design, *powers, participants);
+         session_text(design, *shown) + balance_text(design, *balanced) +
+         power_text(design, *powers, participants);
 }
 
 }  // namespace intaglio::study

@@ -63,7 +63,7 @@ double share_right(int trials, double rate, double person, Random& random) {
 // The share of simulated studies whose paired t-test is significant. Without any difference between persons'
 // differences there is no t, and the study counts as not significant.
 double simulated_power(const Design& design, const Hypothesis& hypothesis, int participants, double alpha,
-                       const std::array<int, 2>& trials) {
+                       const std::array<int, 2>& trials, const std::array<double, 2>& rates) {
   constexpr int studies = 4000;
   Random random = random_stream(design.seed, "power/" + hypothesis.name, participants);
   int significant = 0;
@@ -71,13 +71,25 @@ double simulated_power(const Design& design, const Hypothesis& hypothesis, int p
   for (int study = 0; study < studies; ++study) {
     for (std::size_t k = 0; k < first.size(); ++k) {
       const double person = design.analysis.person_deviation * random.normal();
-      first[k] = share_right(trials[0], design.analysis.rates[0], person, random);
-      second[k] = share_right(trials[1], design.analysis.rates[1], person, random);
+      first[k] = share_right(trials[0], rates[0], person, random);
+      second[k] = share_right(trials[1], rates[1], person, random);
     }
     const auto test = statistics::paired_t_test(first, second, {alternative_of(hypothesis.direction)});
     significant += test && test->p <= alpha ? 1 : 0;
   }
   return double(significant) / studies;
+}
+
+void simulate_power(const Design& design, const Hypothesis& hypothesis, int participants,
+                    const std::array<double, 2>& rates, HypothesisPower& found) {
+  const auto trials = trials_of(design, hypothesis);
+  if (trials[0] == 0 || trials[1] == 0) {
+    found.why = "no person has trials of both levels";
+    return;
+  }
+  found.power = simulated_power(design, hypothesis, participants, found.alpha, trials, rates);
+  found.why = fmt::format("simulated: rates {:g} and {:g}, {} and {} trials a person", rates[0], rates[1],
+                          trials[0], trials[1]);
 }
 
 void find_power(const Design& design, const Hypothesis& hypothesis, int participants,
@@ -86,25 +98,21 @@ void find_power(const Design& design, const Hypothesis& hypothesis, int particip
   const bool is_paired = hypothesis.test == Test::paired || hypothesis.test == Test::wilcoxon;
   const bool is_independent = hypothesis.test == Test::independent || hypothesis.test == Test::welch ||
                               hypothesis.test == Test::mann_whitney;
-  if (hypothesis.measure == "correct" && hypothesis.test == Test::paired && analysis.rates.size() == 2) {
-    const auto trials = trials_of(design, hypothesis);
-    if (trials[0] == 0 || trials[1] == 0) {
-      found.why = "no person has trials of both levels";
-      return;
-    }
-    found.power = simulated_power(design, hypothesis, participants, found.alpha, trials);
-    found.why = fmt::format("simulated: rates {:g} and {:g}, {} and {} trials a person", analysis.rates[0],
-                            analysis.rates[1], trials[0], trials[1]);
-    return;
+  if (hypothesis.measure == "correct" && hypothesis.test == Test::paired && hypothesis.compare.size() == 2) {
+    const auto first = analysis.rates.find(hypothesis.compare[0]),
+               second = analysis.rates.find(hypothesis.compare[1]);
+    if (first != analysis.rates.end() && second != analysis.rates.end())
+      return simulate_power(design, hypothesis, participants, {first->second, second->second}, found);
   }
-  if (!analysis.effect || (!is_paired && !is_independent)) {
-    found.why = analysis.effect ? "not known for this test: `study simulate` finds it"
-                                : "no effect is given in [analysis]";
+  const auto effect = hypothesis.effect ? hypothesis.effect : analysis.effect;
+  if (!effect || (!is_paired && !is_independent)) {
+    found.why =
+        effect ? "not known for this test: `study simulate` finds it" : "no effect is given in [analysis]";
     return;
   }
   const statistics::PowerOptions options{found.alpha, alternative_of(hypothesis.direction)};
   // The sign of the effect is the direction's: power is for an effect as it is claimed.
-  const double d = hypothesis.direction == Hypothesis::Direction::less ? -*analysis.effect : *analysis.effect;
+  const double d = hypothesis.direction == Hypothesis::Direction::less ? -*effect : *effect;
   const std::size_t n = std::size_t(participants);
   const auto power = is_paired ? statistics::paired_power(d, n, options)
                                : statistics::independent_power(d, n / 2, n - n / 2, options);
@@ -114,7 +122,7 @@ void find_power(const Design& design, const Hypothesis& hypothesis, int particip
   }
   found.power = *power;
   const bool is_rank = hypothesis.test == Test::wilcoxon || hypothesis.test == Test::mann_whitney;
-  found.why = fmt::format("d = {:g}, {}{}", *analysis.effect, is_paired ? "pairs" : "two halves",
+  found.why = fmt::format("d = {:g}, {}{}", *effect, is_paired ? "pairs" : "two halves",
                           is_rank ? ", of the t-test" : "");
 }
 

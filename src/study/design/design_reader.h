@@ -23,7 +23,7 @@ void read_adaptive(TomlReader& r, const Design& design, Adaptive& adaptive);
 void read_exclude(TomlReader& r, Exclude& exclude);
 void read_family(TomlReader& r, Family& family);
 void read_hypothesis(TomlReader& r, const Design& design, Hypothesis& hypothesis);
-void read_analysis(TomlReader& r, AnalysisPlan& analysis);
+void read_analysis(TomlReader& r, const Design& design, AnalysisPlan& analysis);
 
 // Reports that `key` names something that the design has not, unless `known` has it.
 template <class List>

@@ -89,6 +89,7 @@ void read_hypothesis(TomlReader& r, const Design& design, Hypothesis& hypothesis
   r.choice("direction", {"two_sided", "greater", "less"}, hypothesis.direction);
   r.number("margin", hypothesis.margin,
            {0, 1e6, true, "a margin must be greater than 0, in the measure's unit"});
+  r.number("effect", hypothesis.effect, {0, 10, true, "an effect, Cohen's d, must be above 0, at most 10"});
   if (r.has_failed()) return;
   if (hypothesis.says.empty() || hypothesis.says.size() > 1000)
     r.fail_at("says", "a hypothesis says nothing, or over 1000 letters", "says = \"Without sound ...\"");
@@ -106,11 +107,16 @@ void read_hypothesis(TomlReader& r, const Design& design, Hypothesis& hypothesis
               "two levels of the factor; a test against chance takes one, or neither factor nor levels");
 }
 
-void read_analysis(TomlReader& r, AnalysisPlan& analysis) {
+void read_analysis(TomlReader& r, const Design& design, AnalysisPlan& analysis) {
   r.number("effect", analysis.effect, {0, 10, true, "an effect, Cohen's d, must be above 0, at most 10"});
-  Vec2 rates = Vec2::Constant(-1);
-  r.vec2("rates", rates, {0.001, 0.999, false, "rates of right answers must be between 0.001 and 0.999"});
-  if (rates.x() > 0) analysis.rates = {rates.x(), rates.y()};
+  r.table("rates", [&](TomlReader& t) {
+    for (const Factor& factor : design.factors)
+      for (const Level& level : factor.levels) {
+        std::optional<double> rate;
+        t.number(level.name.c_str(), rate, {0.001, 0.999, false, "a rate must be between 0.001 and 0.999"});
+        if (rate) analysis.rates[level.name] = *rate;
+      }
+  });
   r.number("person_deviation", analysis.person_deviation,
            {0, 10, false, "a deviation of log odds must be between 0 and 10"});
   r.number("power", analysis.power, {0.05, 0.999, false, "a power must be between 0.05 and 0.999"});

@@ -228,6 +228,7 @@ class Planner {
       const Slot& slot = slots[std::size_t((*order)[std::size_t(place - 1)])];
       PlannedStep planned = trial(number, place);
       planned.items.push_back(item_of(step, cells[std::size_t(slot.cell)], slot.material, planned.told));
+      planned.listed = slot.cell + 1;
       planned.shown = shown_in(step, place);
       if (!planned.shown.empty()) planned.answer = planned.items[0].material;
       if (step.adaptive) planned.track = track_of(step, planned.items[0]);

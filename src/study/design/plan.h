@@ -28,6 +28,7 @@ struct PlannedStep {
   std::string name;       // of that step
   int trial = 0;          // of the session's trials outside practice, from 1; 0: none
   int place = 0;          // within its block, from 1; 0: no trial
+  int listed = 0;         // the number of its condition as the block lists them, from 1; 0: no trial
   std::vector<PlannedItem> items;
   std::vector<std::string> shown;  // materials that the pen's button cycles, the first one first
   std::vector<std::string> told;   // keys of the texts that are said before
