@@ -83,7 +83,7 @@ function(intaglio_install_package)
   install(EXPORT IntaglioTargets NAMESPACE intaglio:: DESTINATION ${folder} COMPONENT development)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/intaglio DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development
           FILES_MATCHING PATTERN "*.h")
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/scenes ${PROJECT_SOURCE_DIR}/materials DESTINATION ${CMAKE_INSTALL_DATADIR}/intaglio COMPONENT data)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/scenes ${PROJECT_SOURCE_DIR}/studies ${PROJECT_SOURCE_DIR}/materials DESTINATION ${CMAKE_INSTALL_DATADIR}/intaglio COMPONENT data)
 endfunction()
 
 # Packages: the command (intaglio), the libraries (libintaglio1), what is built against them (libintaglio-dev), scenes (intaglio-data).

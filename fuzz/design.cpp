@@ -1,6 +1,5 @@
-// Any text as a design: a design whose first participants have plans, or one clear error on one line. What is
-// planned keeps the laws: as many trials as the blocks say, the same plan again, and no material at two levels
-// of a split factor.
+// Any text as a design: a design whose first participants have plans, or one clear error on one line. Plans
+// keep their laws: the same plan again, and no material at two levels of a split factor.
 #include "study/design/design.h"
 
 #include <map>

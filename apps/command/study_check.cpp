@@ -36,7 +36,7 @@ void add_study_check(CLI::App& study, Common& common) {
   verb->add_option("DESIGN", options->design, "Design file (.toml; docs/study-design.md)")->required();
   verb->add_option("-n,--participants", options->participants, "Participants  [the design's]")
       ->check(CLI::Range(1, study::most_participants));
-  verb->add_option("--participant", options->participant, "Whose session is listed  [1]")
+  verb->add_option("--participant", options->participant, "The participant whose session is listed  [1]")
       ->check(CLI::Range(1, study::most_participants));
   verb->footer("Example:\n  intaglio study check studies/identification.toml -n 12");
   verb->callback([options, &common] { common.exit_code = run_study_check(*options); });

@@ -17,7 +17,7 @@ struct PairBalance {
   int least = 0, most = 0;           // of the counts of combinations
   double largest_deviation = 0;      // of a count from what the totals imply
   bool is_exact = false;
-  int exact_from = 0;  // the fewest participants, of those looked at, for whom it is exact; 0: none
+  int exact_from = 0;  // the fewest participants, of those looked at, that make it exact; 0: none
 };
 
 struct Balance {

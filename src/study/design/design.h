@@ -138,7 +138,7 @@ struct Devices {
   bool needs_force = false, needs_sound = true, needs_calibration = false;
 };
 
-// What is left out of the analysis, decided before the data are seen.
+// Data that the analysis leaves out, decided before they are seen.
 struct Exclude {
   std::optional<double> faster_than, slower_than;                           // s, a trial
   std::optional<int> dropped_audio, guard_trips, reconnects, focus_losses;  // more than so many in a trial

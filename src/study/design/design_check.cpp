@@ -31,7 +31,8 @@ std::string what_is_met(const PlannedStep& step) {
   if (step.kind == StepKind::preview) add(fmt::format("{} materials are seen", step.items.size()));
   if (!step.shown.empty()) add(fmt::format("{} pictures to choose from", step.shown.size()));
   if (!step.track.empty()) add(step.is_catch ? "catch trial" : "adaptive");
-  if (step.trial > 0 && !step.told.empty()) add(fmt::format("told before: {}", fmt::join(step.told, ", ")));
+  if (step.trial > 0 && !step.notices.empty())
+    add(fmt::format("said before: {}", fmt::join(step.notices, ", ")));
   if (!step.ask_item.empty()) add(fmt::format("of each: {}", fmt::join(step.ask_item, ", ")));
   if (!step.ask.empty()) add(fmt::format("asks {}", fmt::join(step.ask, ", ")));
   if (step.least_seconds > 0) add(fmt::format("at least {:.0f} s", step.least_seconds));

@@ -1,4 +1,4 @@
-// What a design comes to, as text: the answer of `study check`, and a preregistration.
+// A design as text: the answer of `study check`, and a preregistration.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace intaglio::study {
 
-// What a participant goes through, how long it takes, how orders balance at a number of participants, and the
-// power of the hypotheses.
+// A session step by step, how long it takes, how orders balance at a number of participants, and the power
+// of the hypotheses.
 Result<std::string> check_text(const Design& design, int participants, int shown_participant);
 
 // Markdown: hypotheses, sample size, stop rule, exclusions, analysis, and the design's files and hash.

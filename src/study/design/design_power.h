@@ -1,8 +1,8 @@
 // The power of a design's hypotheses at a number of participants.
 //
-// From [analysis] effect by the noncentral t (study/statistics/power.h), or from its rates of right answers by
-// simulation: each person's log odds differ from the rate's by a normal deviation, answers are drawn for as
-// many trials of each level as the plan has, and persons' shares are compared by the hypothesis' t-test.
+// From [analysis] effect by the noncentral t (study/statistics/power.h), or from its rates of right answers
+// by simulation: each person's log odds differ from the rate's by a normal deviation, answers are drawn for
+// as many trials of each level as the plan has, and persons' shares are compared by the hypothesis' t-test.
 // Within a family corrected by Holm or Bonferroni alpha is divided by the number of its hypotheses, the
 // strictest step. The simulation is seeded by the design. Cost: about 10 ms a simulated hypothesis.
 #pragma once

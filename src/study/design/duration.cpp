@@ -43,7 +43,7 @@ Duration duration_of(const Design& design, const PlannedStep& planned) {
   const StepDesign& step = design.steps.at(planned.step);
   constexpr double between = 3;
   double pages = between;
-  for (const std::string& key : planned.told) pages += seconds_to_read(design.text(key, design.language));
+  for (const std::string& key : planned.notices) pages += seconds_to_read(design.text(key, design.language));
   if (planned.kind == StepKind::consent && design.consent)
     pages += seconds_to_read(design.text(design.consent->text, design.language)) + 15;
   pages += seconds_to_answer(design, planned.ask);

@@ -28,7 +28,7 @@ std::vector<int> shuffled(int n, Random& random);
 std::vector<int> latin_row(int n, int row);
 std::vector<int> williams_row(int n, int row);
 
-// Participants over whom an order of n things is balanced: 1 where it is fixed or random.
+// The number of participants that balance an order of n things: 1 where it is fixed or random.
 int period_of(Order order, int n);
 
 // The order of n things for a participant, from 1. Each group of period_of() participants shares a square

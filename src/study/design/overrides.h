@@ -1,8 +1,9 @@
 // Changes of a scene's keys, as a design's `set` tables say them: {"cues.pen_sound.on", "false"}.
 //
-// A list of dotted keys with their values as TOML, sorted by key, so that two that say the same are equal, and
-// a trial's can be hashed, stored and printed as they are. Later changes win: put() removes what it replaces,
-// also where a whole table and a part of it meet (cues.touch and cues.touch.delay). Values only, any thread.
+// A list of dotted keys with their values as TOML, sorted by key, so that two that say the same are equal,
+// and a trial's can be hashed, stored and printed as they are. Later changes win: put() removes what it
+// replaces, also where a whole table and a part of it meet (cues.touch and cues.touch.delay). Values only,
+// any thread.
 #pragma once
 
 #include <map>

@@ -71,7 +71,7 @@ class Planner {
     planned.kind = design_.steps[number].kind;
     planned.step = number;
     planned.name = design_.steps[number].name;
-    if (!design_.steps[number].text.empty()) planned.told = {design_.steps[number].text};
+    if (!design_.steps[number].text.empty()) planned.notices = {design_.steps[number].text};
     return planned;
   }
 
@@ -172,7 +172,7 @@ class Planner {
   }
 
   PlannedItem item_of(const StepDesign& step, const Cell& cell, int material,
-                      std::vector<std::string>& told) const {
+                      std::vector<std::string>& notices) const {
     PlannedItem item;
     if (material >= 0) {
       item.material = design_.materials[std::size_t(material)].name;
@@ -186,8 +186,8 @@ class Planner {
       const Level& level = factor.levels[std::size_t(number)];
       item.levels.push_back(factor.name + "=" + level.name);
       item.set.put_all(level.set);
-      if (!level.say.empty() && std::find(told.begin(), told.end(), level.say) == told.end())
-        told.push_back(level.say);
+      if (!level.say.empty() && std::find(notices.begin(), notices.end(), level.say) == notices.end())
+        notices.push_back(level.say);
     }
     if (step.adaptive) item.set.put_all(step.adaptive->set);
     return item;
@@ -227,7 +227,7 @@ class Planner {
     for (int place = 1; place <= step.trials; ++place) {
       const Slot& slot = slots[std::size_t((*order)[std::size_t(place - 1)])];
       PlannedStep planned = trial(number, place);
-      planned.items.push_back(item_of(step, cells[std::size_t(slot.cell)], slot.material, planned.told));
+      planned.items.push_back(item_of(step, cells[std::size_t(slot.cell)], slot.material, planned.notices));
       planned.listed = slot.cell + 1;
       planned.shown = shown_in(step, place);
       if (!planned.shown.empty()) planned.answer = planned.items[0].material;
@@ -251,7 +251,7 @@ class Planner {
     planned.is_trial = true;
     planned.place = place;
     if (step.kind == StepKind::block) planned.trial = ++trials_;
-    if (place > 1) planned.told.clear();
+    if (place > 1) planned.notices.clear();
     planned.ask = step.ask;
     planned.ask_item = step.ask_item;
     planned.time_limit = step.time_limit;
@@ -264,7 +264,7 @@ class Planner {
     PlannedStep planned = trial(number, 1);
     for (const int k : order) {
       const Slot& slot = slots[std::size_t(k)];
-      planned.items.push_back(item_of(step, cells[std::size_t(slot.cell)], slot.material, planned.told));
+      planned.items.push_back(item_of(step, cells[std::size_t(slot.cell)], slot.material, planned.notices));
     }
     plan_.steps.push_back(std::move(planned));
     return {};
@@ -274,8 +274,8 @@ class Planner {
     const StepDesign& step = design_.steps[number];
     PlannedStep planned = page(number);
     planned.kind = StepKind::pause;
-    planned.told.clear();
-    if (!step.break_text.empty()) planned.told = {step.break_text};
+    planned.notices.clear();
+    if (!step.break_text.empty()) planned.notices = {step.break_text};
     planned.least_seconds = step.break_seconds;
     plan_.steps.push_back(std::move(planned));
   }
@@ -310,10 +310,10 @@ std::string plan_text(const Plan& plan) {
   };
   std::string text = fmt::format("participant {}\n", plan.participant);
   for (const PlannedStep& step : plan.steps) {
-    text +=
-        fmt::format("{} {} trial={} place={} told={} ask={} ask_item={} shown={} answer={} track={} catch={}",
-                    name_of(step.kind), step.name, step.trial, step.place, list(step.told), list(step.ask),
-                    list(step.ask_item), list(step.shown), step.answer, step.track, int(step.is_catch));
+    text += fmt::format(
+        "{} {} trial={} place={} notices={} ask={} ask_item={} shown={} answer={} track={} catch={}",
+        name_of(step.kind), step.name, step.trial, step.place, list(step.notices), list(step.ask),
+        list(step.ask_item), list(step.shown), step.answer, step.track, int(step.is_catch));
     text += fmt::format(" limit={} least={}\n", step.time_limit.value_or(0), step.least_seconds);
     for (const PlannedItem& item : step.items) {
       text += fmt::format("  {} {}", item.material, list(item.levels));

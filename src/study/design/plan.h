@@ -1,8 +1,8 @@
-// What one participant goes through: the steps of a session in order, each with all that a runner needs.
+// The session of one participant: its steps in order, each with all that a runner needs.
 //
 // A plan follows from the design and the participant's number alone, the same on every machine; a store keeps
 // only its hash. Only the amounts of an adaptive procedure are not in it, because they depend on answers:
-// study/design/procedure.h makes them as the session goes. Values only, any thread. Cost: microseconds a step.
+// study/design/procedure.h makes them as the session goes. Values only, any thread. Microseconds a step.
 #pragma once
 
 #include <optional>
@@ -30,9 +30,9 @@ struct PlannedStep {
   int place = 0;          // within its block, from 1; 0: no trial
   int listed = 0;         // the number of its condition as the block lists them, from 1; 0: no trial
   std::vector<PlannedItem> items;
-  std::vector<std::string> shown;  // materials that the pen's button cycles, the first one first
-  std::vector<std::string> told;   // keys of the texts that are said before
-  std::vector<std::string> ask;    // questions afterwards
+  std::vector<std::string> shown;    // materials that the pen's button cycles, the first one first
+  std::vector<std::string> notices;  // keys of the texts that are said before
+  std::vector<std::string> ask;      // questions afterwards
   std::vector<std::string> ask_item;
   std::string answer;                // the right material; empty: there is none
   std::string track;                 // of an adaptive procedure; empty: none

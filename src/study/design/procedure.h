@@ -31,7 +31,7 @@ struct ThresholdEstimate {
 class Procedure {
  public:
   virtual ~Procedure() = default;
-  // What is presented next.
+  // To be presented next.
   virtual double amount() const = 0;
   virtual void answer(bool is_noticed) = 0;
   virtual bool is_done() const = 0;
