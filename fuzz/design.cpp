@@ -3,6 +3,7 @@
 #include "study/design/design.h"
 
 #include <map>
+#include <string>
 
 #include "fuzz/require.h"
 #include "study/design/plan.h"

@@ -215,7 +215,8 @@ TEST_CASE("the same seed gives the same order on any machine") {
                                                        {"balanced", "3176d9ebfa4f7e5c"},
                                                        {"representation", "b9af2e2f74fed34b"},
                                                        {"conflict", "35708a7cc0489a02"}};
-  for (const auto& [name, hash] : expected) {
+  for (const auto& entry : expected) {  // no structured binding: CAPTURE cannot refer to one
+    const std::string &name = entry.first, &hash = entry.second;
     CAPTURE(name);
     const Design design = shipped(name);
     CHECK(plan_hash(plan_for(design, 7)) == plan_hash(plan_for(design, 7)));
@@ -392,4 +393,62 @@ TEST_CASE("a session's duration is the sum of its steps', and limits of time bou
   const Duration bounded = duration_of(design, plan_for(design, 1));
   REQUIRE(bounded.longest);
   CHECK(*bounded.longest >= bounded.expected);
+}
+
+TEST_CASE("conditions and materials are crossed where the trials are a multiple, and shuffles keep apart") {
+  const auto design = parse_design(
+      base + "trials = 8\norder = \"shuffle\"\napart = 2\nmax_run = 2\nbreak_after = 3\n", "d.toml");
+  REQUIRE(design);
+  for (int participant = 1; participant <= 50; ++participant) {
+    const Plan made = plan_for(*design, participant);
+    std::map<std::string, int> met;
+    std::string before;
+    for (const PlannedStep& step : trials_in(made)) {
+      ++met[step.items[0].material + " " + step.items[0].levels[0]];
+      CHECK(step.items[0].material != before);
+      before = step.items[0].material;
+    }
+    CHECK(met.size() == 4);
+    for (const auto& [combination, count] : met) CHECK(count == 2);
+    CHECK(made.steps.size() == 8 + 2 + 1);  // breaks after three and six, and the end
+    CHECK(made.steps[3].kind == StepKind::pause);
+    CHECK(made.steps[7].kind == StepKind::pause);
+  }
+}
+
+TEST_CASE("a practice goes on to its criterion, and its trials are not the study's") {
+  const auto design =
+      parse_design(base +
+                       "[[step]]\nkind = \"practice\"\nname = \"warm\"\nfactors = [\"sense\"]\n"
+                       "criterion = { correct = 3, of = 4, at_most = 10, ends_session = true }\n",
+                   "d.toml");
+  REQUIRE(design);
+  const Plan made = plan_for(*design, 1);
+  int practised = 0;
+  for (const PlannedStep& step : made.steps)
+    if (step.kind == StepKind::practice) {
+      ++practised;
+      CHECK(step.trial == 0);
+      CHECK(step.is_trial);
+    }
+  CHECK(practised == 10);
+  CHECK(trials_in(made).size() == 2);
+  CHECK(error_of(base + "criterion = { correct = 3 }\n").find("only a practice has a criterion") !=
+        std::string::npos);
+}
+
+TEST_CASE("hostile designs are bounded") {
+  std::string many = base;
+  for (int k = 0; k < 5; ++k) many += "[[step]]\nkind = \"block\"\nfactors = [\"sense\"]\ntrials = 512\n";
+  CHECK(error_of(many).find("a session would have 2562 trials; at most 2048") != std::string::npos);
+  CHECK(error_of(base + "repeats = 512\n").find("too many trials") != std::string::npos);
+  std::string materials = base;
+  for (int k = 0; k < 70; ++k) materials += "[[material]]\nname = \"m" + std::to_string(k) + "\"\n";
+  CHECK_FALSE(error_of(materials).empty());
+  CHECK(error_of("set = " + std::string(200, '[') + std::string(200, ']')).find("d.toml:1") == 0);
+  std::string keys = "[set]\n";
+  for (int k = 0; k < 70; ++k) keys += "k" + std::to_string(k) + " = 1\n";
+  CHECK(error_of(keys).find("over 64 scene keys are set") != std::string::npos);
+  CHECK_FALSE(plan(*parse_design(base, "d.toml"), 0));
+  CHECK_FALSE(plan(*parse_design(base, "d.toml"), most_participants + 1));
 }

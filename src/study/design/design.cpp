@@ -152,6 +152,11 @@ void check_whole(TomlReader& r, const Design& design) {
     return r.fail_at("title", "the design has no [[step]]", "what does a participant go through?");
   const bool has_consent = std::any_of(design.steps.begin(), design.steps.end(),
                                        [](const StepDesign& step) { return step.kind == StepKind::consent; });
+  std::size_t trials = 0;
+  for (const StepDesign& step : design.steps) trials += std::size_t(step.trials);
+  if (trials > most_session_trials)
+    r.fail_at("step", fmt::format("a session would have {} trials", trials),
+              fmt::format("at most {}", most_session_trials));
   if (has_consent != design.consent.has_value())
     r.fail_at("consent", "a [consent] and a step of kind \"consent\" go together",
               has_consent ? "give [consent] with its version and text" : "add a [[step]] kind = \"consent\"");

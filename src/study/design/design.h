@@ -6,6 +6,8 @@
 // that cannot be had. The same files give the same design and hash on every machine. Values only, any thread.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -20,7 +22,8 @@ namespace intaglio::study {
 
 // Bounds of a design, which hostile files meet.
 inline constexpr std::size_t most_materials = 64, most_factors = 8, most_levels = 32, most_questions = 128,
-                             most_steps = 64, most_texts = 512, most_trials = 512, most_languages = 16;
+                             most_steps = 64, most_texts = 512, most_trials = 512 /* of a block */,
+                             most_session_trials = 2048, most_languages = 16;
 inline constexpr int most_participants = 10'000;
 
 struct StudyMaterial {

@@ -137,7 +137,7 @@ class ShuffleSearch {
   std::vector<int> take() { return std::move(placed_); }
 
  private:
-  static constexpr int most_steps_ = 200'000;
+  static constexpr int most_steps_ = 20'000;
 
   const Follower& follower_;
   std::vector<bool> left_;

@@ -37,7 +37,7 @@ std::vector<int> order_of(Order order, int n, int participant, std::uint64_t see
                           const std::string& purpose);
 
 // A random order of trials with these conditions and materials (numbers) that keeps the constraints: drawn
-// until one does, and after 1000 draws searched. Error: none was found within 200,000 steps.
+// until one does, and after 1000 draws searched. Error: none was found within 20,000 steps.
 Result<std::vector<int>> constrained_shuffle(const std::vector<int>& conditions,
                                              const std::vector<int>& materials,
                                              const Constraints& constraints, Random& random);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/hash.h"
+#include "core/text.h"
 #include "scene/scene_table.h"
 #include "study/design/order.h"
 
