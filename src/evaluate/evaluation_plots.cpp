@@ -133,11 +133,20 @@ LaneName lane_name(Sense sense) {
   return names[std::size_t(sense)];
 }
 
+// Features that the reference's own sound does not tell count for no sound.
+bool counts(const FeatureCrossed& feature, Sense sense) {
+  return sense != Sense::sound || feature.is_heard;
+}
+
 std::string delay_text(const Agreement& agreement, Sense sense) {
   std::vector<double> delays;
-  for (const FeatureCrossed& feature : agreement.features)
+  std::size_t count = 0;
+  for (const FeatureCrossed& feature : agreement.features) {
+    if (!counts(feature, sense)) continue;
+    ++count;
     if (const auto delay = feature.delay[std::size_t(sense)]) delays.push_back(1000 * *delay);
-  const std::size_t count = agreement.features.size(), missed = count - delays.size();
+  }
+  const std::size_t missed = count - delays.size();
   if (count == 0) return "";
   if (delays.empty()) return fmt::format("misses all {}", count);
   const double median = quantile(delays, 0.5);
@@ -188,7 +197,7 @@ void draw_features(SvgPlot& plot, const Lane& lane, const Agreement& agreement, 
   const Range& shown = lane.x.values();
   const double floor = lane.y(-1) + 5;
   for (const FeatureCrossed& feature : agreement.features) {
-    if (feature.time < shown.low || feature.time > shown.high) continue;
+    if (feature.time < shown.low || feature.time > shown.high || !counts(feature, sense)) continue;
     const double from = lane.x(feature.time);
     if (const auto delay = feature.delay[std::size_t(sense)]) {
       const double to = lane.x(std::clamp(feature.time + *delay, shown.low, shown.high));
